@@ -85,7 +85,7 @@ describe('uploads', () => {
     visit.allow(/ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_INCOMPLETE|ERR_FAILED|status of 4(04|23)/);
     page.on('dialog', (dialog) => void dialog.accept());
     await slow(page, 3_000_000);
-    await page.getByText('Name, note, tags and settings').click();
+    await page.getByText('Facts and settings of the next files').click();
     await page.getByLabel('Note').fill('left hand');
     await page.getByLabel('Tags').fill('wet slow');
     await page.getByLabel('Choose files').setInputFiles(archive);

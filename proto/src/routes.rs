@@ -44,8 +44,8 @@ pub struct Route {
     pub messages: Option<Messages>,
 }
 
-/// Fault in a message.
-pub type Fault = Box<dyn std::error::Error>;
+/// What is wrong with a message.
+pub type BoxError = Box<dyn std::error::Error>;
 
 /// The messages of an RPC as JSON.
 #[derive(Debug)]
@@ -55,9 +55,9 @@ pub struct Messages {
     /// True if the request has an id that makes it idempotent.
     pub has_request_id: bool,
     /// Reads a request, to its encoded message.
-    pub read: fn(Given<'_>) -> Result<Vec<u8>, Fault>,
+    pub read: fn(Given<'_>) -> Result<Vec<u8>, BoxError>,
     /// Writes a reply from its encoded message.
-    pub write: fn(&[u8]) -> Result<Written, Fault>,
+    pub write: fn(&[u8]) -> Result<Written, BoxError>,
 }
 
 /// A reply as JSON.
@@ -102,7 +102,7 @@ pub const BY_HAND: &[(&str, Scope)] = include!("generated/routes_by_hand.rs");
 fn read<M: Message + Default + Fields>(
     given: Given<'_>,
     bind: fn(&mut M, Given<'_>),
-) -> Result<Vec<u8>, Fault> {
+) -> Result<Vec<u8>, BoxError> {
     let mut message = match given.source {
         Source::Nothing => M::default(),
         Source::Query => json::from_query(std::str::from_utf8(given.text)?)?,
@@ -112,11 +112,19 @@ fn read<M: Message + Default + Fields>(
     Ok(message.encode_to_vec())
 }
 
+/// `made` finds the name of the resource that the call made; None where the route states no address.
 fn write<M: Message + Default + Fields>(
     reply: &[u8],
-    made: fn(&M) -> Option<&String>,
-) -> Result<Written, Fault> {
+    made: Option<fn(&M) -> Option<&String>>,
+) -> Result<Written, BoxError> {
     let message = &M::decode(reply)?;
+    let made = match made {
+        Some(made) => Some(made(message).cloned().ok_or("the reply has no name to state")?),
+        None => None,
+    };
     let json = serde_json::to_vec(&Write { message, tensors: TensorFormat::Lists })?;
-    Ok(Written { json, made: made(message).cloned() })
+    Ok(Written { json, made })
 }
+
+#[cfg(test)]
+mod tests;

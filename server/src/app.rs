@@ -1,6 +1,7 @@
 //! The use cases, free of transport: HTTP, gRPC and plays call methods of [`App`] alone, and nothing
-//! outside of this module reaches the store, the routing or the memory behind it. Arguments are
-//! checked here, so that all refuse the same requests with the same words.
+//! outside of this module reaches the store, the routing or the memory behind it, but for the gate
+//! of requests (`access/`). Arguments are checked here, so that all refuse the same requests with
+//! the same words.
 
 mod captures;
 mod disk;
@@ -152,7 +153,8 @@ impl App {
         self.stopping.is_cancelled()
     }
 
-    /// Begins to stop: streams end, and plays within this time, while there are workers to hear it.
+    /// Begins to stop: ends streams, and waits up to `limit` for plays to close their sessions while
+    /// workers still run.
     pub(crate) async fn stop(&self, limit: Duration) {
         self.stopping.cancel();
         let _ = tokio::time::timeout(limit, self.plays.ended()).await;

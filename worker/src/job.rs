@@ -31,8 +31,8 @@ use crate::{
     server_client::{CallError, ServerClient},
 };
 
-/// A job that is leased to this worker. Its inputs are fetched under the lease, and every write
-/// carries the lease's epoch. Clones share the lease.
+/// A job that is leased to this worker, whose inputs are fetched under the lease. Every write carries
+/// the worker and the epoch of the lease; clones share it.
 #[derive(Clone)]
 pub(crate) struct LeasedJob {
     server: ServerClient,

@@ -56,8 +56,8 @@ pub async fn run(options: Options, shutdown: CancellationToken) -> Result<(), Er
     }
 }
 
-/// A worker that answers rollouts, before it leases jobs.
-struct Ready {
+/// A worker that answers rollouts and leases no jobs yet.
+struct ServingWorker {
     id: WorkerId,
     endpoint: String,
     server: ServerClient,
@@ -73,13 +73,13 @@ async fn run_on(
     fatal: mpsc::UnboundedSender<Error>,
     died: &mut mpsc::UnboundedReceiver<Error>,
 ) -> Result<(), Error> {
-    let ready = Ready::new(device, options, &shutdown).await?;
+    let worker = ServingWorker::new(device, options, &shutdown).await?;
     tokio::select! {
-        registered = ready.registration.register(options.delivery_timeout) => registered?,
+        registered = worker.registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
     }
     let name = &device.description().name;
-    tracing::info!(worker = %ready.id, endpoint = ready.endpoint, device = name, "worker ready");
+    tracing::info!(worker = %worker.id, endpoint = worker.endpoint, device = name, "worker ready");
     // Leasing ends before the job under way does: the job of a worker that must die is not
     // handed back as unharmed, or it would kill one worker after another.
     let stop = StopSignals {
@@ -87,8 +87,8 @@ async fn run_on(
         drained: shutdown.clone(),
         asked: CancellationToken::new(),
     };
-    let heartbeat = tokio::spawn(ready.registration.clone().heartbeat(stop.clone()));
-    let mut leasing = tokio::spawn(ready.lease(device, options, &stop, fatal));
+    let heartbeat = tokio::spawn(worker.registration.clone().heartbeat(stop.clone()));
+    let mut leasing = tokio::spawn(worker.lease(device, options, &stop, fatal));
     let result = tokio::select! {
         ended = &mut leasing => ended.unwrap_or_else(|e| Err(Error::Panicked(e.to_string()))),
         error = died.recv() => error.map_or(Ok(()), Err),
@@ -102,11 +102,11 @@ async fn run_on(
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
-    ready.leave(&heartbeat, stop.is_asked()).await;
+    worker.leave(&heartbeat, stop.is_asked()).await;
     result
 }
 
-impl Ready {
+impl ServingWorker {
     /// Reads certificates, makes the folder for captures and answers rollouts.
     async fn new(
         device: &Device,

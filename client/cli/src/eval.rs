@@ -59,7 +59,7 @@ pub(crate) struct Eval {
     #[arg(long, value_name = "DIR")]
     video: Option<PathBuf>,
     /// Write every recorded image of a raw recording beside its rendering into this folder, as the
-    /// measures compare them, for other measures
+    /// measures compare them, for other measures. A folder with pairs of an earlier run is refused
     #[arg(long, value_name = "DIR")]
     pairs: Option<PathBuf>,
     /// Include the errors of every frame (with --json)
@@ -126,7 +126,7 @@ fn score(
     let rasteriser = args.backend.rasteriser();
     let look = views.as_ref().map(|views| Look { views, rasteriser });
     let filmed = video::into("--video", args.video.as_deref(), look.as_ref())?;
-    let paired = video::into("--pairs", args.pairs.as_deref(), look.as_ref())?;
+    let paired = video::into_pairs(args.pairs.as_deref(), look.as_ref())?;
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {

@@ -1,11 +1,15 @@
 """Names, notes and tags, lists by them, and the losses of fits."""
 
 import asyncio
+import base64
+import hashlib
 
 import numpy as np
+import pytest
 from fake import CAPTURE, FIT, TWIN, serve
 
 from bendtwin import JobState, aio
+from bendtwin.captures.uploads import Sender
 
 
 def test_what_is_not_given_stays(client, fake):
@@ -52,3 +56,45 @@ def test_the_client_of_asyncio_makes_the_same_calls(fake):
 
     asyncio.run(main())
     server.stop(None)
+
+
+def test_facts_that_do_not_exist_are_refused(client, tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"content")
+    wrong = {"recorded_bye": "Ada"}
+    for upload in (client.upload_capture, client.push_capture):
+        with pytest.raises(TypeError, match="recorded_bye"):
+            upload(path, **wrong)
+    with pytest.raises(TypeError, match="recorded_bye"):
+        client.upload_motion(np.zeros((2, 3, 3)), fps=30.0, **wrong)
+
+
+def test_the_order_of_facts_does_not_matter_to_a_push(tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"content")
+
+    def sent(**facts):
+        return Sender("127.0.0.1:1", path, facts)._metadata
+
+    ingest, changed = {"spacing_m": 0.004, "a": 1}, {"a": 1, "spacing_m": 0.004}
+    first = sent(display_name="rope", recorded_by="Ada", ingest=ingest)
+    assert first == sent(ingest=changed, recorded_by="Ada", display_name="rope")
+    keyed = sent(display_name="rope", recorded_by="Ada", request_id="key")
+    assert keyed == sent(request_id="key", recorded_by="Ada", display_name="rope")
+
+
+def test_the_request_id_of_a_push_tells_which_fact_a_text_is(tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"content")
+
+    def key(**facts):
+        pairs = dict(
+            pair.split(" ") for pair in Sender("127.0.0.1:1", path, facts)._metadata.split(",")
+        )
+        return base64.b64decode(pairs["request_id"]).decode()
+
+    named = key(display_name="rope")
+    assert named != key(recorded_by="rope")
+    assert named != key(display_name="rope", recorded_by="rope")
+    # As clients of before made it.
+    assert named == f"tus-{hashlib.sha256(b'contentrope').hexdigest()[:32]}"

@@ -163,6 +163,32 @@ def test_a_push_goes_on_over_kills_of_the_server(server, archive, small_parts):
         seen.clear()
         assert client.push_capture(archive, on_progress=progress) == capture
         assert seen == [3_000_000]
+        # The default name is no other fact than the same one stated.
+        seen.clear()
+        assert client.push_capture(archive, display_name="rope", on_progress=progress) == capture
+        assert seen == [3_000_000]
+
+
+def test_a_push_resumes_whatever_the_order_of_its_facts(server, archive, small_parts):
+    seen = []
+
+    def end_early(there, of):
+        if there >= 2_000_000:
+            raise KeyboardInterrupt
+
+    with Client(server.address) as client:
+        with pytest.raises(KeyboardInterrupt):
+            client.push_capture(
+                archive, recorded_by="Ada", display_name="toy", on_progress=end_early
+            )
+        capture = client.push_capture(
+            archive,
+            display_name="toy",
+            recorded_by="Ada",
+            on_progress=lambda there, of: seen.append(there),
+        )
+    assert seen[0] == 2_000_000
+    assert capture.display_name == "toy"
 
 
 def test_the_client_of_asyncio_pushes_while_other_tasks_run(server, tmp_path):

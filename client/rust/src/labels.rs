@@ -20,8 +20,11 @@ use crate::{Error, JobState, PageRequest, Requirements, resources::are_none};
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct CaptureFacts {
-    /// Display name [default: the file's name]
-    #[cfg_attr(feature = "clap", arg(long = "name", value_name = "NAME"))]
+    /// Display name; none leaves the capture without one
+    #[cfg_attr(
+        feature = "clap",
+        arg(long = "name", value_name = "NAME", help = "Display name [default: the file's name]")
+    )]
     pub display_name: Option<String>,
     /// Who recorded the capture
     #[cfg_attr(feature = "clap", arg(long, value_name = "NAME"))]
@@ -56,7 +59,7 @@ impl CaptureFacts {
     }
 }
 
-/// A change of name, note and tags; what is not set stays.
+/// A change of what is stated about a resource; what is not set stays.
 ///
 /// ```
 /// use bendtwin_client::Update;
@@ -76,7 +79,7 @@ pub struct Update {
     pub add_tags: Vec<String>,
     /// Tags to take from those that there are.
     pub remove_tags: Vec<String>,
-    /// New name of who recorded it, of captures.
+    /// New name of who recorded it, of captures; refused for fits and twins.
     pub recorded_by: Option<String>,
 }
 
@@ -212,7 +215,7 @@ pub struct ListQuery {
     pub tag: String,
     /// An owner; empty means any.
     pub owner: String,
-    /// Who recorded it, of captures; empty means any.
+    /// Who recorded it, of captures; empty means any. Lists of fits and twins ignore it.
     pub recorded_by: String,
     /// A capture, of fits and twins.
     pub capture: Option<CaptureId>,

@@ -49,9 +49,9 @@ pub fn compared_pairs(
                 };
                 let pixels = shown.map(bytes).collect();
                 let image = Photograph::new(columns as usize, rows as usize, pixels);
-                if let Some(image) = image {
-                    canvas.photograph(Rect { x, y: 0.0, width, height }, &image);
-                }
+                let other_size = || Error::Compare("an image has another size than its camera".into());
+                let image = image.ok_or_else(other_size)?;
+                canvas.photograph(Rect { x, y: 0.0, width, height }, &image);
             }
             let is_training = (view.frame as usize) < scene.motion.train_frame_count;
             let pair = ComparedPair { camera: index, frame: view.frame, is_training, canvas };

@@ -413,6 +413,7 @@ impl FitSettings {
                 generations: Some(20),
                 population: Some(0),
                 topology: true,
+                vary: Some(false),
                 ..SearchSettings::default()
             },
             refine: RefineSettings {

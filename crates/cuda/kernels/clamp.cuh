@@ -59,7 +59,7 @@ DEVICE int holder_of(const InstanceArgs& instance, const Hold* holds, u32 node, 
 // What holds a node in a frame whose holds are known.
 DEVICE int holder_in(const InstanceArgs& instance, u32 frame, u32 node) {
     int pin = instance.topology.pin_of[node];
-    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control))
+    if (is_pinned_in(instance, frame, pin))
         return BY_CONTROLS;
     return load_hold(holds_of(instance, frame) + node).grasp;
 }

@@ -47,13 +47,12 @@ DEVICE float3 distance_bar(const FrameStart& s, u32 row, u32 node, float3 x, flo
 }
 
 // Adds to d loss / d the place of a node where the frame begins. A node that is held stands where the
-// path begins of what holds it, as in `begin_frame_adjoint`; the state before has no part in that.
+// path begins of what holds it, as in `begin_frame_adjoint`: its gradient goes to that path, not to the
+// state before the frame.
 DEVICE void add_place_bar(const FrameStart& s, u32 node, float3 bar) {
     const InstanceArgs& instance = *s.instance;
     const int pin = instance.topology.pin_of[node];
-    const bool pinned =
-        pin >= 0 && !is_released(instance, s.frame, instance.topology.pins[pin].control);
-    if (pinned) {
+    if (is_pinned_in(instance, s.frame, pin)) {
         float* sums = instance.adjoint.pin_sums;
         add_path(sums, instance.topology.pin_count, pin, 0.0f, bar, zero3());
     } else if (inverse_mass_in(instance, s.frame, node) == 0.0f) {

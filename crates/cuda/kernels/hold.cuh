@@ -50,6 +50,11 @@ DEVICE bool is_released(const InstanceArgs& instance, u32 frame, u32 control) {
                PHASE_CLOSED;
 }
 
+// True if a control point holds the node in a frame by this pin (-1: none).
+DEVICE bool is_pinned_in(const InstanceArgs& instance, u32 frame, int pin) {
+    return pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control);
+}
+
 // What holds a node that has this pin (-1: none); nothing holds a lane without a node.
 DEVICE Held
 held_of(const InstanceArgs& instance, u32 frame, u32 node, bool valid, int pin) {
@@ -95,7 +100,7 @@ DEVICE float3 place_at(const Held& h, float t) {
 // Inverse mass of a node in a frame; zero where it is held.
 DEVICE float inverse_mass_in(const InstanceArgs& instance, u32 frame, u32 node) {
     int pin = instance.topology.pin_of[node];
-    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control)) return 0.0f;
+    if (is_pinned_in(instance, frame, pin)) return 0.0f;
     if (instance.world.grasp_count == 0) return 1.0f / instance.topology.masses[node];
     int grasp = holds_of(instance, frame)[node].grasp;
     if (grasp >= 0 && instance.world.grasps[grasp].attachment == HOLD_PIN) return 0.0f;
@@ -105,7 +110,7 @@ DEVICE float inverse_mass_in(const InstanceArgs& instance, u32 frame, u32 node) 
 // Velocity of a held node in a frame.
 DEVICE float3 held_velocity(const InstanceArgs& instance, u32 frame, u32 node) {
     int pin = instance.topology.pin_of[node];
-    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control))
+    if (is_pinned_in(instance, frame, pin))
         return control_velocity(path_of(instance, frame), instance.topology.pins[pin].control);
     return held_of(instance, frame, node, true, pin).velocity;
 }

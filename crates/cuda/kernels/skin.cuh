@@ -1,6 +1,6 @@
 // The skin of a model: points of its surface that nodes carry, p = sum of w_i x_i + o, with an offset
 // o that is constant in a frame of three nodes. Formulas and their derivatives as in the core crate's
-// `skin.rs`, in single precision.
+// `twin/skin.rs`, in single precision.
 
 // Marks a point whose offset is along the axes of the world.
 #define NO_FRAME 0xffffffffu

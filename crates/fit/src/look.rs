@@ -6,7 +6,7 @@ use bendtwin_appearance::{
     ComparedPair, Dressed, Motion, Scene, compared_pairs, score, side_by_side,
 };
 use bendtwin_core::{CancelToken, Capture, FitSettings, Twin, Views, quality::RenderedScore};
-use bendtwin_engine::Backend;
+use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{Trajectory, predict};
 use bendtwin_splat::Rasteriser;
 
@@ -76,7 +76,7 @@ impl Look<'_> {
                 if camera.views.is_empty() {
                     continue;
                 }
-                let failed = |e: std::io::Error| bendtwin_picture::Error::Encoding(e.to_string());
+                let failed = |e: std::io::Error| bendtwin_picture::Error::Write(e.to_string());
                 let mut out = open(index).map_err(failed)?;
                 let fps = drawn.capture.fps;
                 if side_by_side(scene, index, fps, rasteriser, &mut out, &mut keep_going)? {
@@ -88,26 +88,29 @@ impl Look<'_> {
         })
     }
 
-    /// Hands every image that the measures compare to `write`, with its rendering. None if the twin has
-    /// neither Gaussians nor a coloured skin.
+    /// Hands every image that the measures compare to `write`, with its rendering, together with the
+    /// PNG file of both. None if the twin has neither Gaussians nor a coloured skin.
     ///
     /// # Errors
     /// Those of [`Look::score`], and if `write` fails.
     pub fn pairs(
         &self,
         drawn: LookInput<'_>,
-        write: &mut dyn FnMut(ComparedPair) -> std::io::Result<()>,
+        write: &mut dyn FnMut(&ComparedPair, &[u8]) -> std::io::Result<()>,
         cancel: &CancelToken,
     ) -> Result<Option<()>, Error> {
         self.in_scene(drawn, cancel, &mut |scene, rasteriser| {
             compared_pairs(scene, rasteriser, &mut |pair| {
-                write(pair).map_err(|e| bendtwin_picture::Error::Encoding(e.to_string()))?;
+                let file = pair.canvas.to_png()?;
+                let written = write(&pair, &file);
+                written.map_err(|e| bendtwin_picture::Error::Write(e.to_string()))?;
                 Ok(!cancel.is_cancelled())
             })
         })
     }
 
-    /// Calls `work` with the twin's Gaussians and its predicted motion.
+    /// Calls `work` with the twin's Gaussians and its predicted motion. Work that ends early because it
+    /// was cancelled is an error.
     fn in_scene<T>(
         &self,
         drawn: LookInput<'_>,
@@ -134,7 +137,11 @@ impl Look<'_> {
             views: self.views,
             held_out: &held_out,
         };
-        Ok(Some(work(&scene, &mut *rasteriser)?))
+        let done = work(&scene, &mut *rasteriser)?;
+        if cancel.is_cancelled() {
+            return Err(backend::Error::Cancelled.into());
+        }
+        Ok(Some(done))
     }
 }
 

@@ -287,6 +287,8 @@ impl<'a> Task<'a> {
 fn refining(mut settings: FitSettings, twin: &Twin) -> FitSettings {
     (settings.search.starts, settings.search.generations) = (Some(1), Some(0));
     settings.bending = !twin.graph.triplets.is_empty();
+    settings.self_contact = twin.params.contact.within_object;
+    settings.skin_contact = Some(twin.params.contact.skin);
     (settings.compare_axial, settings.control_velocity) = (false, twin.control_velocity);
     settings
 }

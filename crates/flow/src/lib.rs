@@ -4,7 +4,7 @@
 //! once. Each frame goes through the same stages:
 //!
 //! 1. *flow*: pyramidal Lucas-Kanade on colour from the frame before, forward and backward
-//!    (`align`, `follow`);
+//!    (`matching::align`, `matching::follow`);
 //! 2. *motion*: matches are lifted through depth; the rigid motion of each point's neighbours, seen
 //!    by any camera, since the point was seeded predicts its place and its rotation (`motion`);
 //! 3. *refinement*: the patch that was cut out when the point was seeded is turned and bent as its

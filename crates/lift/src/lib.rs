@@ -3,13 +3,14 @@
 //!
 //! [`lift()`] runs these steps, each in a separate file:
 //!
-//! 1. `clean`: masks lose flying pixels, specks, and pixels that belong to the hand rather than the
-//!    object.
-//! 2. `lift`: 2D tracks become points, at sub-pixel accuracy and only where nothing hides them.
+//! 1. `survey::clean`: masks lose flying pixels, specks, and pixels that belong to the hand rather
+//!    than the object.
+//! 2. `survey::lift`: 2D tracks become points, at sub-pixel accuracy and only where nothing hides
+//!    them.
 //! 3. `motion`: tracks that do not move as their neighbours do are not believed.
 //! 4. `thin`: of several tracks of one spot the one that is seen longest stays.
-//! 5. `shape`, `complete`: a mesh fills in what no camera saw, or else what no camera saw through
-//!    (`sight`, `carve`).
+//! 5. `shape`, `shape::complete`: a mesh fills in what no camera saw, or else what no camera saw
+//!    through (`shape::sight`, `shape::carve`).
 //! 6. `hands`: tracks on hands become control points that move as rigid bodies, where these meet the
 //!    object.
 //!

@@ -54,7 +54,10 @@ impl<W: Write> Animation<W> {
 }
 
 fn failed(error: png::EncodingError) -> Error {
-    Error::Encoding(error.to_string())
+    match error {
+        png::EncodingError::IoError(error) => Error::Write(error.to_string()),
+        other => Error::Encoding(other.to_string()),
+    }
 }
 
 #[cfg(test)]

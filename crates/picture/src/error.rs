@@ -17,4 +17,8 @@ pub enum Error {
     /// The encoder failed.
     #[error("the PNG encoder failed: {0}")]
     Encoding(String),
+    /// The file cannot be written: the disk is full, for example.
+    #[error("the picture cannot be written: {0}; free disk space or choose another folder")]
+    #[problem(ResourceExhausted, "PICTURE_NOT_WRITTEN")]
+    Write(String),
 }

@@ -1,5 +1,5 @@
 //! Plays: simulations in real time that a person moves with a mouse. One browser plays, others may
-//! watch; a session is advanced frame by frame, as fast as time passes, and every state is shown.
+//! watch; a session is advanced frame by frame, as fast as time passes, and the newest state is shown.
 //! Nothing grows with time or with slow readers: of states and facts the newest is kept, inputs wait
 //! in a bounded line, and a recording has a bound.
 //!

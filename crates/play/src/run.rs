@@ -145,7 +145,9 @@ impl Run {
         let problem = ended.err().map(|error| self.host.problem(error));
         let _ = self.play.farewell.send(Some(reply::ended(problem).into()));
         self.play.over.cancel();
-        // It ends by itself otherwise.
+        // Ends its search, which nobody waits for, and not only once the session is closed.
+        self.plan = None;
+        // The session ends by itself otherwise.
         let _ = self.host.close_session(self.session, FRAME_TIMEOUT).await;
     }
 

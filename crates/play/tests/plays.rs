@@ -1,18 +1,20 @@
 //! Plays with a host that moves every node to the first gripper.
 
-use std::sync::{
-    Arc, Mutex,
-    atomic::{AtomicUsize, Ordering},
+use std::{
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    task::Poll,
+    time::Duration,
 };
-use std::time::Duration;
 
 use bendtwin_core::{
     Category, Fault, Problem as _,
     ids::{PlayId, TwinId},
 };
 use bendtwin_play::{
-    Begin, Document, Error, Host, Limits, Message, Player, Plays, Recording, Result, Updates, View,
-    read,
+    Begin, Document, Error, Host, Limits, Player, Plays, Recording, Result, Updates, View, read,
 };
 use bendtwin_proto::v1::{
     AdvanceSessionRequest, OpenSessionRequest, PlanRequest, PlanUpdate, ResetSessionRequest,
@@ -30,6 +32,12 @@ struct Mover {
     opened: AtomicUsize,
     closed: AtomicUsize,
     reset: AtomicUsize,
+    /// True if a search for a plan goes on until it is dropped.
+    searches_on: AtomicBool,
+    /// Each such search has a share of it.
+    searches: Arc<()>,
+    /// Searches under way when a session was last closed.
+    searches_at_close: AtomicUsize,
     /// The error of the next frame.
     fails: Mutex<Option<Error>>,
 }
@@ -43,6 +51,11 @@ fn state(at: [f32; 3]) -> GivenState {
 }
 
 impl Mover {
+    /// Searches under way.
+    fn searches(&self) -> usize {
+        Arc::strong_count(&self.searches) - 1
+    }
+
     fn advance(&self, request: AdvanceSessionRequest) -> Result<RollOutResponse> {
         if let Some(error) = self.fails.lock().unwrap().take() {
             return Err(error);
@@ -89,11 +102,20 @@ impl Host for Mover {
     }
 
     fn close_session(&self, _: String, _: Duration) -> BoxFuture<'_, Result<()>> {
+        self.searches_at_close.store(self.searches(), Ordering::SeqCst);
         self.closed.fetch_add(1, Ordering::SeqCst);
         ready(Ok(()))
     }
 
     fn plan(&self, request: PlanRequest, _: Duration) -> BoxFuture<'_, Result<Updates>> {
+        if self.searches_on.load(Ordering::SeqCst) {
+            let share = Arc::clone(&self.searches);
+            let search = stream::poll_fn(move |_| {
+                let _share = &share;
+                Poll::Pending
+            });
+            return ready(Ok(search.boxed()));
+        }
         // To hold the first gripper at x = 0.5 m through all knots.
         let rollout = request.rollout.unwrap();
         let Some(Actions::Poses(poses)) = rollout.actions else { panic!("no poses") };
@@ -199,6 +221,11 @@ async fn plays_and_watchers_have_limits() {
 async fn a_wrong_command_is_refused_and_changes_nothing() {
     let ((plays, _stop), host) = (plays(limits()), Arc::<Mover>::default());
     let mut player = begin(&plays, &host).await.unwrap();
+    let mut view = player.view();
+    let number = |state: &[u8]| {
+        state.get(4..8).map_or(0, |number| u32::from_le_bytes(number.try_into().unwrap()))
+    };
+    let before = view.states.wait_for(|state| number(state) > 0).await.unwrap().clone();
     say(&player, json!({"type": "grasp", "gripper": 99, "node": 0}));
     let refused = reply(&mut player).await;
     assert_eq!(
@@ -208,6 +235,10 @@ async fn a_wrong_command_is_refused_and_changes_nothing() {
     say(&player, json!({"type": "replay"}));
     assert_eq!(reply(&mut player).await["problem"]["reason"], "NOTHING_RECORDED");
     assert!(read("{\"type\": \"speed\", \"factor\": 99}").is_err());
+    // The next one is of a frame after the commands.
+    let newest = number(&view.states.borrow());
+    let after = view.states.wait_for(|state| number(state) > newest).await.unwrap().clone();
+    assert_eq!((&after[..4], &after[8..]), (&before[..4], &before[8..]), "all but its number");
 }
 
 #[tokio::test]
@@ -271,14 +302,22 @@ async fn a_goal_is_planned_and_followed() {
     view.facts.wait_for(is_reached).await.unwrap();
 }
 
-#[test]
-fn a_line_of_messages_is_bounded_and_keeps_the_newest_motion() {
-    let inbox = bendtwin_play::Inbox::default();
-    for _ in 0..10_000 {
-        let message =
-            read(r#"{"type": "move", "grippers": [{"index": 0, "position": [0, 0, 1]}]}"#);
-        inbox.push(message.unwrap()).unwrap();
-    }
-    let pushed = std::iter::repeat_with(|| inbox.push(Message::Stop {})).take(10_000);
-    assert!(pushed.filter(Result::is_err).count() > 9_000);
+#[tokio::test]
+async fn a_search_ends_before_the_session_of_a_player_who_left() {
+    let ((plays, _stop), host) = (plays(limits()), Arc::<Mover>::default());
+    host.searches_on.store(true, Ordering::SeqCst);
+    let player = begin(&plays, &host).await.unwrap();
+    let mut view = player.view();
+    let target = json!({"node": 1, "position": [0.5, 0, 0]});
+    say(&player, json!({"type": "goal", "targets": [target], "frames": 10}));
+    let is_planning = |facts: &Arc<str>| {
+        let facts: Value = serde_json::from_str(facts).unwrap_or_default();
+        facts["goal"]["state"] == "planning"
+    };
+    view.facts.wait_for(is_planning).await.unwrap();
+    assert_eq!(host.searches(), 1);
+    drop(player);
+    plays.ended().await;
+    assert_eq!(host.closed.load(Ordering::SeqCst), 1);
+    assert_eq!(host.searches_at_close.load(Ordering::SeqCst), 0);
 }

@@ -50,10 +50,9 @@ pub(crate) fn query_scalar(sql: impl SqlSafeStr) -> Scalar {
     Scalar(query(sql))
 }
 
-/// Runs a statement with sqlx on its target; `$then` takes what either database answers.
-///
-/// Only three functions contain sqlx's futures, for rows that are not read yet. Otherwise those would
-/// be compiled for each record.
+/// Runs a statement on its target; `$sqlite` and `$postgres` convert the answer of their database.
+/// Rows are decoded outside, so that sqlx's futures are compiled for three functions and not for
+/// every record.
 macro_rules! run {
     ($query:ident, $target:ident, $call:ident, $sqlite:expr, $postgres:expr) => {{
         let Query { sql, values } = $query;

@@ -73,12 +73,12 @@ fn messages(contract: &Contract, rpc: &Rpc, route: &Route) -> String {
     let names = if bind.is_empty() { "_, _" } else { "message, given" };
     let made = match route.location.split_once('.') {
         Some((resource, field)) => {
-            format!("|message| message.{resource}.as_ref().map(|made| &made.{field})")
+            format!("Some(|message| message.{resource}.as_ref().map(|made| &made.{field}))")
         }
         None if !route.location.is_empty() => {
-            format!("|message| Some(&message.{})", route.location)
+            format!("Some(|message| Some(&message.{}))", route.location)
         }
-        None => "|_| None".to_owned(),
+        None => "None".to_owned(),
     };
     format!(
         "Messages {{ source: Source::{source}, has_request_id: {has_request_id}, \

@@ -51,7 +51,7 @@ impl Default for Readiness {
 }
 
 impl App {
-    /// Number of workers, and of the rollouts that they are at.
+    /// Number of workers, and of rollouts in progress.
     pub(crate) fn counts(&self) -> (usize, usize) {
         self.dispatch.counts()
     }

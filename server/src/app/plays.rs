@@ -15,14 +15,19 @@ use bendtwin_proto::{
 use futures::{FutureExt as _, StreamExt as _, future::BoxFuture};
 
 use super::{App, Error, Plan, Result};
-use crate::{context::Context, refusal::Refusal};
+use crate::context::Context;
 
 impl App {
-    /// Begins a play of a twin.
-    pub(crate) async fn begin_play(&self, twin: TwinId, begin: Begin) -> Result<Player> {
+    /// Begins a play of a twin. `problem` makes the document that shows an error to the client.
+    pub(crate) async fn begin_play(
+        &self,
+        twin: TwinId,
+        begin: Begin,
+        problem: fn(Error, &Context) -> serde_json::Value,
+    ) -> Result<Player> {
         self.plays.require_room()?;
         let geometry = self.twin_geometry(&twin.to_string(), false).await?.message;
-        let host = Arc::new(PlayHost { app: self.clone(), context: Context::current() });
+        let host = Arc::new(PlayHost { app: self.clone(), context: Context::current(), problem });
         Ok(self.plays.begin(host, twin, &geometry, begin).await?)
     }
 
@@ -42,6 +47,7 @@ struct PlayHost {
     app: App,
     /// The context of the request that began the play.
     context: Context,
+    problem: fn(Error, &Context) -> serde_json::Value,
 }
 
 impl PlayHost {
@@ -117,6 +123,6 @@ impl Host for PlayHost {
     }
 
     fn problem(&self, error: PlayError) -> serde_json::Value {
-        Refusal::from(Error::from(error)).json(&self.context)
+        (self.problem)(error.into(), &self.context)
     }
 }

@@ -1,11 +1,13 @@
 //! Receiving content over any transport: streamed to disk, bounded in size, abandoned after a
 //! silence. A broken upload leaves nothing behind.
 
-use axum::body::HttpBody;
+use std::error::Error as StdError;
+
 use bendtwin_contract::rollout;
 use bendtwin_store::{Digest, Staged};
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
+use hyper::body::Body as HttpBody;
 
 use super::{App, Error, Result};
 use crate::memory::{Kind, ReceiveError, Received};
@@ -25,7 +27,7 @@ impl App {
     ) -> Result<Received, ReceiveError>
     where
         B: HttpBody<Data = Bytes> + Unpin,
-        B::Error: Into<axum::BoxError>,
+        B::Error: Into<Box<dyn StdError + Send + Sync>>,
     {
         self.memory.receive(body, kind, limit, look).await
     }
@@ -39,7 +41,7 @@ impl App {
     ) -> Result<Received, ReceiveError>
     where
         B: HttpBody<Data = Bytes> + Unpin,
-        B::Error: Into<axum::BoxError>,
+        B::Error: Into<Box<dyn StdError + Send + Sync>>,
     {
         self.memory.receive_message(body, limit, look).await
     }

@@ -19,7 +19,8 @@ pub(crate) struct Attempt<'a> {
     pub(crate) stop: Stop,
     pub(crate) progress: LatestProgress,
     pub(crate) checkpoints: Checkpoints,
-    pub(super) saver: Saver,
+    /// None once the last checkpoint was flushed.
+    saver: Option<Saver>,
     /// Cancelled when the worker hands its jobs back.
     pub(super) drain: &'a CancellationToken,
     /// Time for which its end is delivered while no server can be reached.
@@ -38,24 +39,29 @@ impl<'a> Attempt<'a> {
         let (progress, reporter) = report::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
         let tasks = [reporter, stop.on_drain(drain)];
+        let saver = Some(saver);
         Self { job, stop, progress, checkpoints, saver, drain, delivery_timeout, tasks }
     }
 
     /// Saves no more checkpoints: none is needed.
     pub(crate) fn drop_checkpoint(&self) {
-        self.saver.abort();
+        if let Some(saver) = &self.saver {
+            saver.abort();
+        }
     }
 
     /// Saves the checkpoint that waits, so that the next worker loses nothing, unless that takes too
     /// long.
     pub(crate) async fn save_last_checkpoint(&mut self) {
-        self.saver.flush().await;
+        if let Some(saver) = self.saver.take() {
+            saver.flush().await;
+        }
     }
 }
 
 impl Drop for Attempt<'_> {
     fn drop(&mut self) {
-        self.saver.abort();
+        self.drop_checkpoint();
         self.tasks.iter().for_each(JoinHandle::abort);
     }
 }

@@ -103,10 +103,10 @@ impl Saver {
 
     /// Saves the checkpoint that waits, so that the next worker loses nothing, unless that takes
     /// too long.
-    pub(super) async fn flush(&mut self) {
+    pub(super) async fn flush(self) {
         self.task.abort();
         // What it was sending is sent again at worst.
-        let _ = (&mut self.task).await;
+        let _ = self.task.await;
         if let Some(content) = self.slot.take() {
             let saved =
                 tokio::time::timeout(FLUSH_TIMEOUT, self.job.save_checkpoint(content)).await;

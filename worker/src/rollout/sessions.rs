@@ -163,8 +163,8 @@ impl Inner {
         rollout::check_session(open, &shape(warm.twin(), !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
         let backend = Arc::new(self.device.backend(Priority::Interactive));
-        let initial = (open.initial.as_ref(), open.world.as_ref());
-        let simulated = self.simulated(warm, initial, capture, &backend, cancel).await?;
+        let (initial, world) = (open.initial.as_ref(), open.world.as_ref());
+        let simulated = self.simulated(warm, initial, world, capture, &backend, cancel).await?;
         let wanted = Wanted::read(open.initial.clone(), &warm.twin().graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
@@ -175,12 +175,12 @@ impl Inner {
         })
     }
 
-    /// The state that a separate simulation leads to, if the initial state requires one; `initial`
-    /// comes with the world that it is in.
+    /// The state that a separate simulation leads to, if `initial` requires one in `world`.
     pub(super) async fn simulated(
         &self,
         warm: &Arc<Warm>,
-        (initial, world): (Option<&InitialState>, Option<&World>),
+        initial: Option<&InitialState>,
+        world: Option<&World>,
         capture: &str,
         backend: &Arc<QueuedBackend>,
         cancel: &CancelToken,

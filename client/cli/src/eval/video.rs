@@ -41,6 +41,37 @@ pub(super) fn into<'a>(
     Ok(Some(Drawings { folder, look }))
 }
 
+/// The folder of `--pairs`. It must have no pairs of an earlier run, which a measure of all files in it
+/// would count as well.
+///
+/// # Errors
+/// Those of [`into`], and if the folder has pairs or cannot be read.
+pub(super) fn into_pairs<'a>(
+    folder: Option<&'a Path>,
+    look: Option<&'a Look<'a>>,
+) -> anyhow::Result<Option<Drawings<'a>>> {
+    let drawings = into("--pairs", folder, look)?;
+    if let Some(Drawings { folder, .. }) = &drawings {
+        let shown = folder.display();
+        let unreadable = || format!("{shown} cannot be read");
+        for entry in std::fs::read_dir(folder).with_context(unreadable)? {
+            let name = entry.with_context(unreadable)?.file_name();
+            if is_pair(&name.to_string_lossy()) {
+                let advice = "delete them, or choose another folder";
+                let fault = format!("--pairs: {shown} has pairs of an earlier run: {advice}");
+                return Err(Usage::error(fault));
+            }
+        }
+    }
+    Ok(drawings)
+}
+
+/// True for a name such as `camera0-training-00012.png`.
+fn is_pair(name: &str) -> bool {
+    let stem = name.strip_prefix("camera").and_then(|rest| rest.strip_suffix(".png"));
+    stem.is_some_and(|stem| stem.matches('-').count() >= 2)
+}
+
 impl Drawings<'_> {
     /// Writes `camera0-training-00012.png` and so on, with `kind` behind the number of the camera.
     pub(super) fn pairs(
@@ -49,10 +80,9 @@ impl Drawings<'_> {
         drawn: LookInput<'_>,
         cancel: &CancelToken,
     ) -> anyhow::Result<()> {
-        let mut write = |pair: ComparedPair| {
+        let mut write = |pair: &ComparedPair, file: &[u8]| {
             let span = if pair.is_training { "training" } else { "future" };
             let name = format!("camera{}{kind}-{span}-{:05}.png", pair.camera, pair.frame);
-            let file = pair.canvas.to_png().map_err(std::io::Error::other)?;
             std::fs::write(self.folder.join(name), file)
         };
         let drawn = self.look.pairs(drawn, &mut write, cancel).map_err(failure::failed)?;
@@ -76,3 +106,6 @@ impl Drawings<'_> {
         Ok(cameras.into_iter().map(path).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -24,6 +24,7 @@ impl Server {
                     .map_err(|e| Usage::error(format!("{}: {e}", path.display())))?
             }
         };
+        self.check_paths()?;
         let given = Table::try_from(self).map_err(|e| Usage::error(e.to_string()))?;
         given.into_iter().for_each(|(key, value)| put(&mut table, &key, value));
         let mut options: Options = table.try_into().map_err(|e| Usage::error(e.to_string()))?;
@@ -34,6 +35,26 @@ impl Server {
         }
         options.validate().map_err(|faults| Usage::error(faults.join("; ")))?;
         Ok(options)
+    }
+
+    /// Refuses paths that a table of options cannot hold.
+    fn check_paths(&self) -> anyhow::Result<()> {
+        let paths = [
+            ("--data-dir", &self.data_dir),
+            ("--tls-certificate", &self.tls_certificate),
+            ("--tls-key", &self.tls_key),
+            ("--worker-tls-certificate", &self.worker_tls_certificate),
+            ("--worker-tls-key", &self.worker_tls_key),
+            ("--worker-tls-ca", &self.worker_tls_ca),
+            ("--worker-tls-crl", &self.worker_tls_crl),
+        ];
+        for (flag, path) in paths {
+            if let Some(path) = path.as_ref().filter(|path| path.to_str().is_none()) {
+                let shown = path.display();
+                return Err(Usage::error(format!("{flag}: the path {shown} is not UTF-8: rename it")));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -87,7 +87,9 @@ class Client:
         """Uploads a capture: an archive, or a folder that is packed first.
 
         Motion capture (`.npz`) is packed with the `.json` beside it. The same content with the same
-        `request_id` returns the existing capture.
+        `request_id` returns the existing capture. `facts` are those of
+        `CaptureArguments`: `display_name`, `request_id`, `ingest`, `ingest_requirements`,
+        `recorded_by`.
         """
         path = Path(path)
         stated = named(facts, path.stem)
@@ -112,7 +114,8 @@ class Client:
         `ground` is the ground's height along `up_axis`, in `units`; None means no ground. `edges`
         [E, 2] are pairs of joined points, `rest_points` [P, 3] the undeformed shape, `pins` [H, 2]
         pairs of a point and the control point that holds it. The default `display_name` is
-        `motion`; other facts are those of `upload_capture`.
+        `motion`; `facts` are those of `CaptureArguments`: `display_name`, `request_id`, `ingest`,
+        `ingest_requirements`, `recorded_by`.
         """
         stated = named(facts, "motion")
         content = bundle(
@@ -141,7 +144,9 @@ class Client:
         Motion capture (`.npz`) is packed with the `.json` beside it.
         The upload survives broken connections and restarts of the server and, if called again, of
         the calling process. The same content with the same facts is one capture and is not sent
-        twice. `on_progress` gets the bytes that the server has, and the total.
+        twice. `on_progress` gets the bytes that the server has, and the total. `facts` are those of
+        `CaptureArguments`: `display_name`, `request_id`, `ingest`, `ingest_requirements`,
+        `recorded_by`.
         """
         file = Path(path)
         stated = named(facts, file.resolve().name if file.is_dir() else file.stem)

@@ -67,7 +67,13 @@ class CaptureListArguments(ListArguments, total=False):
 
 
 def named(facts: CaptureArguments, name: str) -> CaptureArguments:
-    """The facts of an upload, with a display name where none is stated."""
+    """The facts of an upload, with a display name where none is stated.
+
+    Raises `TypeError` for facts that do not exist, as for any other wrong argument.
+    """
+    unknown = sorted(facts.keys() - CaptureArguments.__optional_keys__)
+    if unknown:
+        raise TypeError(f"unexpected facts of a capture: {', '.join(unknown)}")
     return facts if facts.get("display_name") is not None else {**facts, "display_name": name}
 
 
@@ -89,7 +95,7 @@ def texts(facts: CaptureArguments) -> dict[str, str]:
     return {
         name: fact
         if isinstance(fact, str)
-        else json.dumps(asdict(fact) if isinstance(fact, Requirements) else fact)
+        else json.dumps(asdict(fact) if isinstance(fact, Requirements) else fact, sort_keys=True)
         for name, fact in _stated(facts)
     }
 

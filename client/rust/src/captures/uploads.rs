@@ -70,10 +70,14 @@ impl<'a> Sender<'a> {
         facts: &CaptureFacts,
     ) -> Result<Self, Error> {
         let length = tokio::fs::metadata(path).await.map_err(|e| Error::file(path, &e))?.len();
-        let facts = facts.pairs()?;
-        let texts: Vec<&str> = facts.iter().map(|(_, text)| text.as_str()).collect();
+        // The display name has no name before it: ids of uploads with a name alone stay.
         let mut key = blake3::Hasher::new();
-        key.update(digest.as_bytes()).update(texts.join("\0").as_bytes());
+        key.update(digest.as_bytes());
+        key.update(facts.display_name.as_deref().unwrap_or_default().as_bytes());
+        let facts = facts.pairs()?;
+        for (name, text) in facts.iter().filter(|(name, _)| name != "display_name") {
+            key.update(format!("\0{name}\0{text}").as_bytes());
+        }
         let request_id = format!("tus-{}", &key.finalize().to_hex()[..32]);
         let own = [("request_id", &*request_id), ("digest", digest)];
         let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));

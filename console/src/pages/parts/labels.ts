@@ -17,6 +17,9 @@ export interface Texts {
   readonly recorded_by?: string;
 }
 
+/** Those of an upload beside its name. */
+export type OtherTexts = Partial<Omit<Texts, 'display_name'>>;
+
 type List = 'captures' | 'fits' | 'twins';
 
 const NAME = { key: 'display_name', label: 'Name' } as const;
@@ -35,7 +38,7 @@ export function tagLinks(list: List, tags: readonly string[]): HTMLElement[] {
 
 /** Texts, note and tags of a resource, with a form that changes them and its name. */
 export class LabelEditor<T extends Labelled> {
-  readonly element = h('section', { class: 'labels', 'aria-label': 'Note and tags' });
+  readonly element = h('section', { class: 'labels', 'aria-label': 'About' });
   #shown: T;
 
   constructor(
@@ -53,10 +56,11 @@ export class LabelEditor<T extends Labelled> {
 
   private show(focus = false): void {
     const { note, tags } = this.#shown;
+    const parts = [...TEXTS[this.list].map(({ label }) => label.toLowerCase()), 'note'].join(', ');
     const edit = h(
       'button',
       { type: 'button', class: 'small', onclick: () => this.edit() },
-      'Edit name, note and tags',
+      `Edit ${parts} and tags`,
     );
     const stated = TEXTS[this.list].map(({ key, label }) => [key, label, this.#shown[key] ?? ''] as const);
     const others = stated.filter(([key, , text]) => key !== 'display_name' && text !== '');

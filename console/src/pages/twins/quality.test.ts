@@ -97,7 +97,7 @@ test('differences are put into words', () => {
     'No difference between A and B beyond that of seeds: 10 mm against 9.2 mm.',
   );
   expect(comparedText('A', 'B', 0, 0)).toContain('No difference');
-  expect(comparedText('A', 'B', 0.01, 0.009)).toContain('B is better');
+  expect(comparedText('A', 'B', 0.01, 0.0085)).toContain('B is better');
   expect(comparedText('A', 'B', null, 0.1)).toBeNull();
   const choice = { start: 1, held_back_frames: 0, losses: [2, 1, null] };
   expect(choiceText({ choice })).toBe(

@@ -1,4 +1,4 @@
-import type { Texts } from '../parts/labels';
+import type { OtherTexts } from '../parts/labels';
 
 const KEY = 'bendtwin.uploads';
 
@@ -6,7 +6,7 @@ const KEY = 'bendtwin.uploads';
 export interface Labels {
   readonly name: string;
   /** Texts beside the name, without those that are empty. */
-  readonly texts: Readonly<Partial<Texts>>;
+  readonly texts: Readonly<OtherTexts>;
   readonly note: string;
   readonly tags: readonly string[];
 }
@@ -63,6 +63,16 @@ function store(all: readonly Kept[], storage: Storage): void {
 function isKept(value: unknown): value is Omit<Kept, 'texts'> & Partial<Pick<Kept, 'texts'>> {
   if (typeof value !== 'object' || value === null) return false;
   const upload = value as Record<string, unknown>;
-  const texts = ['files', 'source', 'kind', 'name', 'note', 'ingest'].every((key) => typeof upload[key] === 'string');
-  return texts && Array.isArray(upload['tags']) && typeof upload['sizeBytes'] === 'number';
+  const haveTexts = ['files', 'source', 'kind', 'name', 'note', 'ingest'].every(
+    (key) => typeof upload[key] === 'string',
+  );
+  const { texts, tags, sizeBytes } = upload;
+  return haveTexts && isTexts(texts) && Array.isArray(tags) && typeof sizeBytes === 'number';
+}
+
+/** Pages of before had none. */
+function isTexts(value: unknown): boolean {
+  if (value === undefined) return true;
+  if (typeof value !== 'object' || value === null || Array.isArray(value)) return false;
+  return Object.values(value).every((text) => typeof text === 'string');
 }

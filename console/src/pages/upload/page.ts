@@ -3,7 +3,7 @@ import { h } from '../../ui/dom';
 import { cli, command } from '../../ui/empty';
 import { field } from '../../ui/form';
 import { count, name, size } from '../../ui/format';
-import { TEXTS, type Texts } from '../parts/labels';
+import { TEXTS, type OtherTexts } from '../parts/labels';
 import { readSettings } from '../parts/settings';
 import { readTags } from '../parts/tags';
 import { forget, type Kept } from './kept';
@@ -84,12 +84,11 @@ function chooser(text: string, api: PageContext['api'], isFolder: boolean): HTML
 function labels(): HTMLElement {
   const given = intake.options;
   const named = h('input', { maxlength: '200', value: given.labels.name });
-  const texts = TEXTS.captures
-    .filter(({ key }) => key !== 'display_name')
-    .map(({ key, label }) => {
-      const input = h('input', { maxlength: '200', value: given.labels.texts[key] ?? '' });
-      return { key, label, input };
-    });
+  const texts = TEXTS.captures.flatMap(({ key, label }) => {
+    if (key === 'display_name') return [];
+    const input = h('input', { maxlength: '200', value: given.labels.texts[key] ?? '' });
+    return [{ key, label, input }];
+  });
   const note = h('textarea', { rows: '3', maxlength: '10000' }, given.labels.note);
   const tags = h('input', { value: given.labels.tags.join(' '), spellcheck: 'false' });
   const settings = h('textarea', { rows: '2', spellcheck: 'false', class: 'code' });
@@ -108,7 +107,7 @@ function labels(): HTMLElement {
     intake.options = {
       labels: {
         name: named.value.trim(),
-        texts: Object.fromEntries(stated) as Partial<Texts>,
+        texts: Object.fromEntries(stated) as OtherTexts,
         note: note.value.trim(),
         tags: readTags(tags.value).tags,
       },
@@ -119,7 +118,7 @@ function labels(): HTMLElement {
   return h(
     'details',
     { class: 'card' },
-    h('summary', {}, 'Name, note, tags and settings of the next files'),
+    h('summary', {}, 'Facts and settings of the next files'),
     field('Name', named, 'Default: the name of the file or folder. Applies only to a single file or folder.'),
     ...texts.map(({ label, input }) => field(label, input)),
     field('Note', note),

@@ -2,6 +2,7 @@ import { beforeEach, expect, test, vi } from 'vitest';
 
 import type { Api } from '../../api/client';
 import { Problem } from '../../api/problem';
+import { fingerprint, fingerprintOf } from './fingerprint';
 import { kept } from './kept';
 import type { Package } from './select';
 import { Transfers, type Transfer } from './transfers';
@@ -98,6 +99,22 @@ test('other files, names and settings are other uploads, the same ones are not s
   expect(new Set(server.metadata).size).toBe(2);
 });
 
+test('the request id tells which fact a text is, and stays where there is none', async () => {
+  const server = new Server();
+  server.hangs = true;
+  const ids = async (texts: Record<string, string>): Promise<string> => {
+    localStorage.setItem('bendtwin.uploads', '[]');
+    const count = server.metadata.length;
+    begun(server).add(FILE, { ...LABELS, texts }, '');
+    await vi.waitUntil(() => server.metadata.length > count);
+    const id = /request_id (\S+?)(,|$)/.exec(server.metadata[count] ?? '');
+    return atob(id?.[1] ?? '');
+  };
+  const files = fingerprintOf([{ path: 'rope.zip', size: 2, lastModified: 5 }]);
+  expect(await ids({})).toBe(`console-${fingerprint(JSON.stringify([files, 'rope', '']))}`);
+  expect(await ids({ recorded_by: 'Ada' })).not.toBe(await ids({ another: 'Ada' }));
+});
+
 test('a cancelled one is given up here and at the server', async () => {
   const server = new Server();
   server.hangs = true;
@@ -117,7 +134,9 @@ test('an upload that an older page began resumes', () => {
 });
 
 test('a refused one says why, and entries of other versions are ignored', async () => {
-  localStorage.setItem('bendtwin.uploads', '[{"files": 3}, null, "x"]');
+  const other = { ...LABELS, files: 'f', source: 'rope.zip', kind: 'file', ingest: '', sizeBytes: 2 };
+  const wrong = [{ files: 3 }, null, 'x', { ...other, texts: null }, { ...other, texts: { recorded_by: 7 } }];
+  localStorage.setItem('bendtwin.uploads', JSON.stringify(wrong));
   const server = new Server();
   server.refuses = true;
   const transfers = begun(server);

@@ -150,7 +150,7 @@ export class Transfers extends EventTarget {
         filename: own.source,
         display_name: own.name,
         ...own.texts,
-        request_id: `console-${fingerprint(JSON.stringify([own.files, own.name, own.ingest, ...Object.values(own.texts)]))}`,
+        request_id: `console-${fingerprint(JSON.stringify([own.files, own.name, own.ingest, ...Object.entries(own.texts)]))}`,
         ...(own.ingest === '' ? {} : { ingest: own.ingest }),
       },
       signal: abort.signal,

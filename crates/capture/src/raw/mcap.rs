@@ -28,7 +28,7 @@ use crate::{Error, Limits, files::SharedFile};
 /// leaves it.
 pub(super) fn file_at(path: &Path) -> Result<Option<PathBuf>, Error> {
     let is_mcap = |path: &Path| {
-        let mut start = [0; 8];
+        let mut start = [0; MAGIC.len()];
         SharedFile::open(path).is_ok_and(|f| f.read_exact_at(&mut start, 0).is_ok())
             && start == MAGIC
     };

@@ -92,7 +92,7 @@ const MAX_NODES: Row<usize> = row([100, 200, 600], [300, 600, 600], [ALL; 3]);
 const MAX_NEIGHBOURS: Row<usize> = row([12, 12, 30], [30; 3], [12; 3]);
 /// `graph.interior`.
 const INTERIOR: Row<bool> = by_effort([true; 3]);
-/// `skin_contact`; on a CPU it takes up to 40 % longer, and drafts predict no better with it. What motion
+/// `skin_contact`; on a CPU it takes 12 to 42 % longer, and drafts predict no better with it. What motion
 /// capture records has no skin.
 const SKIN_CONTACT: Row<bool> = row([false; 3], [true; 3], [false; 3]);
 /// `substeps.auto.max`; the search of a cable would spend its time on stiff candidates, and a body with
@@ -104,6 +104,8 @@ const SEQUENCES: Row<SequenceMean> =
 /// `search.starts`; searches of a cable are cheap, its optimum is narrow, and its training loss shows
 /// which of several starts predicts best.
 const STARTS: Row<u32> = row([1, 2, 4], [1, 2, 4], [1, 3, 6]);
+/// `search.vary`.
+const VARY: Row<bool> = by_effort([false; 3]);
 /// `search.generations`.
 const GENERATIONS: Row<u32> = row([4, 12, 12], [8, 12, 25], [20, 60, 60]);
 /// `search.population`.
@@ -184,7 +186,7 @@ impl FitSettings {
         }
         fill.with(&mut filled.loss.sequences, &SEQUENCES);
         fill.with(&mut filled.search.starts, &STARTS);
-        filled.search.vary.get_or_insert(false);
+        fill.with(&mut filled.search.vary, &VARY);
         fill.with(&mut filled.search.generations, &GENERATIONS);
         fill.with(&mut filled.search.population, &POPULATION);
         fill.with(&mut filled.search.prior, &SEARCH_PRIOR);

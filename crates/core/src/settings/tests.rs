@@ -25,6 +25,20 @@ fn unknown_fields_are_refused() {
     assert!(serde_json::from_str::<FitSettings>(r#"{"graph":{"radius":1}}"#).is_err());
 }
 
+/// Pointers to the values of a document that are null.
+fn nulls(document: &serde_json::Value) -> Vec<String> {
+    match document {
+        serde_json::Value::Null => vec![String::new()],
+        serde_json::Value::Object(fields) => fields
+            .iter()
+            .flat_map(|(name, value)| {
+                nulls(value).into_iter().map(move |rest| format!("/{name}{rest}"))
+            })
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
 #[test]
 fn nothing_is_left_open_for_a_fit() {
     use crate::capture::Subject;
@@ -57,6 +71,8 @@ fn nothing_is_left_open_for_a_fit() {
             assert!(work(&draft) < work(&standard) && work(&standard) < work(&best));
             let planner = [&draft, &standard, &best].map(|s| s.planner.nodes);
             assert_eq!(planner, [Some(0), Some(0), Some(80)]);
+            let open = nulls(&serde_json::to_value(&standard).unwrap());
+            assert_eq!(open, ["/graph/radius_m", "/start_from", "/within_s"]);
             // What is given stays.
             let mut given = FitSettings::phystwin();
             given.search.starts = Some(1);

@@ -13,7 +13,7 @@ use crate::{
     run::{backward::Gradients, world},
 };
 
-/// Gradients of a batch, fetched; what was not asked for is empty.
+/// Gradients of a batch, fetched; those of the initial state are empty unless asked for.
 pub(super) struct FetchedGradients<'a> {
     of: &'a Gradients,
     request: &'a GradientRequest,

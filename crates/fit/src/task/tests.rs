@@ -114,3 +114,19 @@ fn cables_are_fitted_in_their_own_way() {
     let task = Task::new(&capture, &open, DeviceKind::Cpu, &CancelToken::default()).unwrap();
     assert!(!task.searches_gravity());
 }
+
+#[test]
+fn a_refined_twin_keeps_its_contact() {
+    let timing = bendtwin_core::Timing { fps: 30.0, substeps: 1 };
+    let mut twin = Twin::new(Default::default(), Default::default(), timing);
+    for touches in [false, true] {
+        (twin.params.contact.skin, twin.params.contact.within_object) = (touches, touches);
+        let given = FitSettings {
+            skin_contact: Some(!touches),
+            self_contact: !touches,
+            ..FitSettings::default()
+        };
+        let settings = refining(given, &twin);
+        assert_eq!((settings.skin_contact, settings.self_contact), (Some(touches), touches));
+    }
+}

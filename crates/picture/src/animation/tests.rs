@@ -33,3 +33,12 @@ fn frames_that_do_not_belong_together_are_refused() {
     assert!(animation.finish().is_err());
     assert!(Animation::new(Vec::new(), [6, 4], 0, 30.0).is_err());
 }
+
+#[test]
+fn a_full_disk_is_no_fault_of_the_encoder() {
+    let mut full = [0; 120];
+    let mut animation = Animation::new(&mut full[..], [6, 4], 1, 30.0).unwrap();
+    let pushed = animation.push(&canvas(Color(0, 0, 0)), 1);
+    let ended = pushed.and_then(|()| animation.finish());
+    assert!(matches!(ended, Err(Error::Write(_))), "{ended:?}");
+}

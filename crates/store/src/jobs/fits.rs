@@ -201,8 +201,9 @@ impl Jobs<'_> {
     ) -> Result<(TwinId, Option<String>)> {
         let mut tx = self.store.inner.database.write().await?;
         let before = row::fetch(&mut tx, lease.job).await?;
+        // A job that has ended has no worker any more: the digest is compared in its place.
         if let (State::Succeeded, true, Some(twin)) =
-            (before.state()?, before.is_of(lease), &before.twin)
+            (before.state()?, before.has_epoch_of(lease), &before.twin)
         {
             let stored: Option<String> = query_scalar("select digest from twins where id = $1")
                 .bind(twin)

@@ -267,7 +267,8 @@ impl Jobs<'_> {
     ) -> Result<(Job, Vec<String>)> {
         let mut tx = self.store.inner.database.write().await?;
         let before = row::fetch(&mut tx, lease.job).await?;
-        if before.state()? == State::Succeeded && before.is_of(lease) && end.is_none() {
+        // A job that has ended has no worker any more: the digest is compared in its place.
+        if before.state()? == State::Succeeded && before.has_epoch_of(lease) && end.is_none() {
             let stored = observations::digest_of(&mut tx, &before.capture).await?;
             if stored.is_some() && stored == made.observation.map(|(d, _)| d.to_hex().to_string()) {
                 return Ok((before.try_into()?, Vec::new()));

@@ -98,15 +98,15 @@ impl Row {
         self.lease_epoch.max(0) as u64
     }
 
-    /// True if the job's last claim made this lease.
-    pub(super) fn is_of(&self, lease: Lease) -> bool {
+    /// True if the job's last claim had the epoch of this lease, at whichever worker.
+    pub(super) fn has_epoch_of(&self, lease: Lease) -> bool {
         self.lease_epoch == i64::try_from(lease.epoch).unwrap_or(-1)
     }
 
     /// True if the job runs under this very lease.
     fn runs_under(&self, lease: Lease) -> Result<bool> {
         let has_worker = self.worker == Some(lease.worker.uuid().to_string());
-        Ok(self.state()? == State::Running && self.is_of(lease) && has_worker)
+        Ok(self.state()? == State::Running && self.has_epoch_of(lease) && has_worker)
     }
 
     /// The name that was given when it was created; empty if none was.

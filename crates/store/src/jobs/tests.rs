@@ -144,6 +144,8 @@ async fn a_stale_lease_changes_nothing(on: On) {
     // The epoch alone is no lease.
     let guessed = Lease { worker: WorkerId::generate(), ..lease_of(&new) };
     stale(fits.report(guessed, None, LEASE).await.err());
+    stale(fits.save_checkpoint(guessed, bench.stage("late").await, LEASE).await.err());
+    stale(fits.complete_fit(guessed, &TwinFacts::default(), bench.stage("late").await).await.err());
     stale(fits.end_attempt(guessed, AttemptEnd::Released).await.err());
     stale(fits.check_lease(guessed).await.err());
     fits.check_lease(lease_of(&new)).await.unwrap();

@@ -95,11 +95,13 @@ impl App {
         for worker in &workers {
             let id = worker.registration.id;
             let is_new = !self.dispatch.knows(id);
-            if let Err(error) = self.dispatch.learn(worker.clone()) {
+            // False for processes of other servers, which are never known here.
+            let learned = self.dispatch.learn(worker.clone()).unwrap_or_else(|error| {
                 tracing::warn!(worker = %id, %error, "a worker of the fleet cannot be used");
-            }
+                false
+            });
             // It may have left since its row was read.
-            if is_new && self.store.workers().find(id).await?.is_none() {
+            if is_new && learned && self.store.workers().find(id).await?.is_none() {
                 self.dispatch.remove(id);
                 continue;
             }

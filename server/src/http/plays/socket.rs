@@ -53,7 +53,7 @@ pub(super) async fn play(app: App, twin: TwinId, mut socket: WebSocket) {
     let player = match begun {
         Ok(begin) => {
             // One that goes away while a session is opened leaves it to its idle time.
-            app.begin_play(twin, begin).await
+            app.begin_play(twin, begin, problem).await
         }
         Err(error) => Err(error),
     };
@@ -63,7 +63,7 @@ pub(super) async fn play(app: App, twin: TwinId, mut socket: WebSocket) {
             Channel::new(app, socket, view).run(Some(player)).await;
         }
         Err(error) => {
-            let text = plays::ended(Some(problem(error)));
+            let text = plays::ended(Some(problem(error, &Context::current())));
             let _ = send(&mut socket, Frame::Text(text.into())).await;
             farewell(&mut socket, close_code::POLICY, "refused").await;
         }
@@ -201,12 +201,12 @@ impl Channel {
         match taken {
             Ok(()) => Ok(true),
             Err(error @ PlayError::TooFast) => {
-                let text = plays::ended(Some(problem(error.into())));
+                let text = plays::ended(Some(problem(error.into(), &Context::current())));
                 self.leave(Some(text.into())).await?;
                 Ok(false)
             }
             Err(error) => {
-                self.text(&plays::refused(problem(error.into()))).await?;
+                self.text(&plays::refused(problem(error.into(), &Context::current()))).await?;
                 Ok(true)
             }
         }
@@ -266,6 +266,6 @@ async fn farewell(socket: &mut WebSocket, code: u16, reason: &'static str) {
 }
 
 /// The document that shows an error to the client.
-fn problem(error: Error) -> serde_json::Value {
-    Refusal::from(error).json(&Context::current())
+fn problem(error: Error, context: &Context) -> serde_json::Value {
+    Refusal::from(error).json(context)
 }

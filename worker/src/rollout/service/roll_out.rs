@@ -48,7 +48,7 @@ pub(super) struct RollOutCall {
 struct CheckedCall {
     checked: Checked,
     warm: Arc<Warm>,
-    /// The capture of the twin's own, or empty.
+    /// Name of the capture that the twin was fitted to; empty if the request needs none.
     capture: String,
     /// The session that it begins in.
     begun: Option<Begun>,
@@ -136,9 +136,10 @@ impl RollOutCall {
         let inner = &self.inner;
         // A preceding simulation takes its memory first.
         let request = checked.request();
-        let initial = (request.initial.as_ref(), request.world.as_ref());
-        let simulated = inner.simulated(&warm, initial, &capture, &self.backend, &self.cancel);
-        let before = starts.or(simulated.await?.map(Starts::Shared));
+        let (initial, world) = (request.initial.as_ref(), request.world.as_ref());
+        let simulated =
+            inner.simulated(&warm, initial, world, &capture, &self.backend, &self.cancel).await?;
+        let before = starts.or(simulated.map(Starts::Shared));
         let advice = "the rollout: ask for less at once";
         let share = budget::take(&inner.memory.rollouts, checked.bytes(), advice).await?;
         // It is set here alone.
@@ -191,7 +192,7 @@ impl RollOutCall {
     }
 }
 
-/// A span of time; `None` for an invalid number.
+/// A span of time; zero for an invalid number.
 fn seconds(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }

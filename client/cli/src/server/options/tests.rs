@@ -1,20 +1,26 @@
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
 use bendtwin_server::{ClientTokenPolicy, Options};
-use clap::{Args as _, Command, Parser};
+use clap::{Args as _, Command, FromArgMatches as _};
+use serde::{
+    Deserializer as _,
+    de::{IgnoredAny, MapAccess, Visitor},
+};
 
 use super::*;
 use crate::worker::Worker;
 
-#[derive(Parser)]
-struct Line {
-    #[command(flatten)]
-    server: Server,
+/// Flags of a command line, whatever the environment of the tests says.
+fn flags(args: &[&str]) -> Server {
+    let command = Server::augment_args(Command::new("server"));
+    let command = command.mut_args(|arg| arg.env(None::<&str>));
+    let matches = command.try_get_matches_from([&["server"], args].concat()).unwrap();
+    Server::from_arg_matches(&matches).unwrap()
 }
 
 /// Options of a command line.
 fn options(args: &[&str]) -> anyhow::Result<Options> {
-    Line::parse_from([&["server"], args].concat()).server.options()
+    flags(args).options()
 }
 
 /// Writes an options file.
@@ -94,11 +100,41 @@ fn a_wrong_url_is_not_repeated() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_path_that_is_not_utf_8_is_refused_by_its_flag() {
+    use std::os::unix::ffi::OsStringExt as _;
+    let path = PathBuf::from(std::ffi::OsString::from_vec(b"caf\xe9".to_vec()));
+    let given = Server { worker_tls_crl: Some(path), ..flags(&[]) };
+    let error = given.options().unwrap_err();
+    assert!(error.is::<Usage>(), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("--worker-tls-crl") && text.contains("caf"), "{text}");
+}
+
+/// Reads the keys of a map in their order.
+struct Keys;
+
+impl<'de> Visitor<'de> for Keys {
+    type Value = Vec<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a map")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
+        let mut keys = Vec::new();
+        while let Some((key, IgnoredAny)) = map.next_entry()? {
+            keys.push(key);
+        }
+        Ok(keys)
+    }
+}
+
 /// Keys of the flags in the file, in the order of the flags.
 fn keys() -> Vec<String> {
-    let server = Line::parse_from(["server"]).server;
-    let json = serde_json::to_string(&server).unwrap();
-    json.split('"').skip(1).step_by(2).map(str::to_owned).collect()
+    let json = serde_json::to_string(&flags(&[])).unwrap();
+    serde_json::Deserializer::from_str(&json).deserialize_map(Keys).unwrap()
 }
 
 #[test]

@@ -63,13 +63,19 @@ class Sender:
         self._headers = {"tus-resumable": "1.0.0"}
         if token is not None:
             self._headers["authorization"] = f"Bearer {token}"
-        pairs = {"filename": path.name, **texts(facts)}
+        # Sorted: the server compares the metadata of a creation byte for byte.
+        stated = dict(sorted(texts(facts).items()))
+        pairs = {"filename": path.name, **stated}
         if "request_id" not in pairs:
             key = hashlib.sha256()
             with path.open("rb") as file:
                 while chunk := file.read(_CHUNK_BYTES):
                     key.update(chunk)
-            key.update("\0".join(text for _, text in sorted(texts(facts).items())).encode())
+            # The display name has no name before it: ids of uploads with a name alone stay.
+            key.update(stated.get("display_name", "").encode())
+            for name, text in stated.items():
+                if name != "display_name":
+                    key.update(f"\0{name}\0{text}".encode())
             pairs["request_id"] = f"tus-{key.hexdigest()[:32]}"
         self._metadata = ",".join(
             f"{key} {b64encode(value.encode()).decode()}" for key, value in pairs.items()

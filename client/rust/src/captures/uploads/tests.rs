@@ -134,3 +134,23 @@ async fn permanent_failures_are_not_retried() {
     let malformed = push(vec![("POST", None, answer("201 Created", ""))]).await;
     assert_eq!(malformed.unwrap_err().reason(), "MALFORMED_REPLY");
 }
+
+#[tokio::test]
+async fn a_request_id_tells_which_fact_a_text_is() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let http = Http::new(Connector::new(Duration::from_secs(10)), None).unwrap();
+    let id = async |facts: CaptureFacts| {
+        let sender = Sender::new(&http, "", file.path(), "digest", &facts).await.unwrap();
+        let mut pairs = sender.metadata.split(',').map(|pair| pair.split_once(' ').unwrap());
+        let (_, id) = pairs.find(|(name, _)| *name == "request_id").unwrap();
+        String::from_utf8(BASE64_STANDARD.decode(id).unwrap()).unwrap()
+    };
+    let recorded_by = Some("rope".to_owned());
+    let recorded = CaptureFacts { recorded_by: recorded_by.clone(), ..CaptureFacts::default() };
+    let both = CaptureFacts { recorded_by, ..CaptureFacts::from("rope") };
+    let named = id("rope".into()).await;
+    assert_ne!(named, id(recorded).await);
+    assert_ne!(named, id(both).await);
+    // As clients of before made it.
+    assert_eq!(named, format!("tus-{}", &blake3::hash(b"digestrope").to_hex()[..32]));
+}

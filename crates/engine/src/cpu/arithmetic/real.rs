@@ -154,8 +154,8 @@ impl Real for f32 {
         (m.splat(PI) - angle).or(m.splat(0.0).above(x), angle)
     }
     fn dispatch<W: Work<Self>>(work: W) -> W::Output {
-        // Not pulp's dispatch on x86-64, which would compile everything for AVX2 once more, for a
-        // processor that has it and is here without it.
+        // Not pulp's dispatch on x86-64: it would compile the portable code for AVX2 too, which a
+        // processor with AVX2 never runs here.
         #[cfg(target_arch = "x86_64")]
         match pulp::x86::V3::try_new() {
             Some(v3) => Simd::vectorize(v3, OnAvx2(work, Avx2::new(v3))),

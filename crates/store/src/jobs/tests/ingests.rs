@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use bendtwin_core::{Category, Problem as _};
+use bendtwin_core::{Category, Problem as _, ids::WorkerId};
 
 use super::{fault, progress};
 use crate::{
@@ -63,6 +63,10 @@ async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it(on: On) {
     let free = bench.store.jobs().create_fit(new_fit(&other)).await.unwrap();
     assert_eq!(bench.claim(Kind::Fit).await.unwrap().id, free.id);
 
+    // The epoch alone is no lease.
+    let guessed = Lease { worker: WorkerId::generate(), ..lease_of(&ingest) };
+    let guessed = observe(&bench, guessed, "guessed").await;
+    assert!(matches!(guessed, Err(Error::StaleLease { .. })));
     let ended = observe(&bench, lease_of(&ingest), "seen").await.unwrap();
     assert_eq!(ended.state, State::Succeeded);
     // As if the reply was lost.

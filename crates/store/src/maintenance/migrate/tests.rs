@@ -4,7 +4,7 @@ use bendtwin_core::Problem as _;
 
 use super::*;
 use crate::{
-    Kind, LabelChange, ListQuery, Options, Store, TwinFacts,
+    CaptureChange, Kind, LabelChange, ListQuery, Options, Store, TwinFacts,
     database::testing::{On, TestDatabase},
     maintenance::{Depth, check},
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -28,12 +28,13 @@ async fn every_table_is_moved() {
 async fn filled() -> Bench {
     let bench = Bench::new(On::Sqlite).await;
     let capture = bench.capture("a").await;
-    let change = LabelChange {
+    let labels = LabelChange {
         note: Some("quotes ' and \"ünïcode\" \\ too".into()),
         add_tags: vec!["b-c".into(), "bc".into(), "B".into()],
         ..LabelChange::default()
     };
-    bench.store.captures().update(capture.id, &change.into()).await.unwrap();
+    let change = CaptureChange { labels, recorded_by: Some("Ada".into()) };
+    bench.store.captures().update(capture.id, &change).await.unwrap();
     for _ in 0..BATCH {
         bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     }
@@ -86,6 +87,8 @@ async fn a_store_moves_with_all_its_rows() {
         store.twins().list(&query).await.unwrap().items,
     );
     assert_eq!(after, before);
+    let recorded = ListQuery { recorded_by: "Ada".into(), ..ListQuery::default() };
+    assert_eq!(store.captures().list(&recorded).await.unwrap().items, after.0);
     store.twins().content(after.2[0].id).await.unwrap();
     store.close().await;
 }

@@ -189,20 +189,29 @@ pub(crate) fn a_skin_at_its_nodes_touches_as_they_do(backend: &dyn Backend) -> O
 
 /// Through impacts of the skin in the middle of the first substep, at points that are carried from
 /// elsewhere and in a frame of nodes, on the ground and on a body that moves and turns, by impacts
-/// and in a smooth layer: to 1 %.
+/// and in a smooth layer, also with a node that a control point holds: to 1 %.
 pub(crate) fn gradients_through_skin_contact(backend: &dyn Backend) -> Outcome {
-    for (seed, on_body, smoothing_m) in
-        [(0, false, 0.0), (1, true, 0.0), (2, false, 4e-3), (3, true, 4e-3)]
-    {
+    for (seed, on_body, smoothing_m, held) in [
+        (0, false, 0.0, false),
+        (1, true, 0.0, false),
+        (2, false, 4e-3, false),
+        (3, true, 4e-3, false),
+        (4, false, 4e-3, true),
+        (5, true, 4e-3, true),
+    ] {
         let mut scene = falling(on_body);
+        if held {
+            // It bears a part of both points.
+            scene.fix(2);
+            scene.last(scene.frames);
+        }
         scene.world.smoothing_m = smoothing_m;
         scene.track_all();
-        let must_matter: &[&str] = if on_body {
-            &["initial positions", "initial velocities", "spring stiffness", "poses"]
-        } else {
-            &["initial positions", "initial velocities", "spring stiffness", "ground restitution"]
-        };
-        matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;
+        let mut must_matter = vec!["initial positions", "initial velocities", "spring stiffness"];
+        must_matter.push(if on_body { "poses" } else { "ground restitution" });
+        must_matter.extend(held.then_some("controls"));
+        let check = Check { seed, tolerance: 1e-2, must_matter: &must_matter };
+        matches_differences(backend, &scene, &check)?;
     }
     Ok(())
 }
