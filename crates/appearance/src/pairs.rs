@@ -25,7 +25,7 @@ pub struct ComparedPair {
 /// Hands every pair of a scene to `emit`, until that returns false.
 ///
 /// # Errors
-/// If the rasteriser or `emit` fails.
+/// If the rasteriser or `emit` fails, or if an image has another size than its camera.
 pub fn compared_pairs(
     scene: &Scene<'_>,
     rasteriser: &mut dyn Rasteriser,
@@ -49,7 +49,8 @@ pub fn compared_pairs(
                 };
                 let pixels = shown.map(bytes).collect();
                 let image = Photograph::new(columns as usize, rows as usize, pixels);
-                let other_size = || Error::Compare("an image has another size than its camera".into());
+                let other_size =
+                    || Error::Compare("an image has another size than its camera".into());
                 let image = image.ok_or_else(other_size)?;
                 canvas.photograph(Rect { x, y: 0.0, width, height }, &image);
             }

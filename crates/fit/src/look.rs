@@ -109,8 +109,8 @@ impl Look<'_> {
         })
     }
 
-    /// Calls `work` with the twin's Gaussians and its predicted motion. Work that ends early because it
-    /// was cancelled is an error.
+    /// Calls `work` with the twin's Gaussians and its predicted motion. Cancelled work is an error, since
+    /// its result may be half of one.
     fn in_scene<T>(
         &self,
         drawn: LookInput<'_>,

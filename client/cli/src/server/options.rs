@@ -51,7 +51,9 @@ impl Server {
         for (flag, path) in paths {
             if let Some(path) = path.as_ref().filter(|path| path.to_str().is_none()) {
                 let shown = path.display();
-                return Err(Usage::error(format!("{flag}: the path {shown} is not UTF-8: rename it")));
+                return Err(Usage::error(format!(
+                    "{flag}: the path {shown} is not UTF-8: rename it"
+                )));
             }
         }
         Ok(())

@@ -10,7 +10,7 @@ use serde::{
 use super::*;
 use crate::worker::Worker;
 
-/// Flags of a command line, whatever the environment of the tests says.
+/// Flags of a command line; the environment of the tests has no effect.
 fn flags(args: &[&str]) -> Server {
     let command = Server::augment_args(Command::new("server"));
     let command = command.mut_args(|arg| arg.env(None::<&str>));
