@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Everything that computes goes through the [`device`] in slices, so a rollout waits for one slice
-//! of a fit at most. If the backend has a second, urgent queue, rollouts have a thread of their
-//! own and run beside fits. If this process dies, its leases run out and another worker resumes
+//! of a fit at most. If the backend has a second, urgent queue, rollouts have their own
+//! thread and run beside fits. If this process dies, its leases run out and another worker resumes
 //! from the last checkpoint.
 
 mod artifact;

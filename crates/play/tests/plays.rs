@@ -32,7 +32,7 @@ struct Mover {
     opened: AtomicUsize,
     closed: AtomicUsize,
     reset: AtomicUsize,
-    /// True if a search for a plan goes on until it is dropped.
+    /// True if a search for a plan continues until it is dropped.
     searches_on: AtomicBool,
     /// Each such search has a share of it.
     searches: Arc<()>,

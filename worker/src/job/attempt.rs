@@ -19,7 +19,7 @@ pub(crate) struct Attempt<'a> {
     pub(crate) stop: Stop,
     pub(crate) progress: LatestProgress,
     pub(crate) checkpoints: Checkpoints,
-    /// None once the last checkpoint was flushed.
+    /// Writes checkpoints; `None` once the last one was flushed.
     saver: Option<Saver>,
     /// Cancelled when the worker hands its jobs back.
     pub(super) drain: &'a CancellationToken,
