@@ -60,6 +60,9 @@ pub(crate) struct Device {
     blame: Blame,
 }
 
+/// Work for a device's thread, which keeps its result itself.
+type Computation = Box<dyn FnOnce(&dyn Backend) -> Result<(), backend::Error> + Send>;
+
 impl Device {
     /// Starts the threads and opens the backend on them. Fits get `fit_share` of the device's time,
     /// 0 to below 1, while rollouts want all of it.
@@ -173,11 +176,7 @@ impl Device {
     }
 
     /// Runs a task on the device and waits for it. Returns the time it ran.
-    fn run(
-        &self,
-        flow: &Arc<Flow>,
-        task: Box<dyn FnOnce(&dyn Backend) -> Result<(), backend::Error> + Send>,
-    ) -> Result<Duration, backend::Error> {
+    fn run(&self, flow: &Arc<Flow>, task: Task) -> Result<Duration, backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
         let watch = self.blame.watch(flow.priority);
         let rollouts = self.alternation.as_ref().filter(|_| flow.priority == Priority::Interactive);

@@ -1,9 +1,6 @@
 use std::sync::Arc;
 
-use bendtwin_contract::{
-    registration::check_registration,
-    rollout::Limits,
-};
+use bendtwin_contract::{registration::check_registration, rollout::Limits};
 use bendtwin_contract_kit::registration as cases;
 use bendtwin_core::Problem as _;
 use bendtwin_proto::{

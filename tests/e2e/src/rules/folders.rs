@@ -20,7 +20,10 @@ fn folders_are_small() {
     let sizes = sizes(names.iter().map(String::as_str));
     assert!(sizes.contains_key("crates/engine/src/cpu"), "the source tree was not found");
     let large: BTreeMap<_, _> = sizes.into_iter().filter(|(_, files)| *files > MOST).collect();
-    assert!(large.is_empty(), "at most {MOST} files a folder: divide it by what they do: {large:#?}");
+    assert!(
+        large.is_empty(),
+        "at most {MOST} files a folder: divide it by what they do: {large:#?}"
+    );
 }
 
 /// Number of files of each folder of product code.
