@@ -187,7 +187,8 @@ fn slices_grow_to_what_a_slices_time_holds() {
     assert_eq!(sizes[0], 2, "the first slice is one round of the lanes");
     // 30 ms, in whole rounds of two.
     assert!(sizes.iter().all(|s| *s <= 6), "{sizes:?}");
-    assert!(sizes.len() < 25, "{sizes:?}");
+    // How much they grow depends on how late a busy machine wakes the thread.
+    assert!(sizes.iter().any(|s| *s > 2), "{sizes:?}");
 }
 
 #[test]
