@@ -176,7 +176,7 @@ impl Device {
     }
 
     /// Runs a task on the device and waits for it. Returns the time it ran.
-    fn run(&self, flow: &Arc<Flow>, task: Task) -> Result<Duration, backend::Error> {
+    fn run(&self, flow: &Arc<Flow>, task: Computation) -> Result<Duration, backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
         let watch = self.blame.watch(flow.priority);
         let rollouts = self.alternation.as_ref().filter(|_| flow.priority == Priority::Interactive);
