@@ -5,3 +5,19 @@ mod plans;
 mod prices;
 mod registrations;
 mod rollouts;
+
+use bendtwin_contract::rollout::TwinShape;
+
+/// 5 nodes that hang from a control point.
+const TWIN: TwinShape = TwinShape {
+    nodes: 5,
+    springs: 4,
+    triplets: 3,
+    controls: 1,
+    skin_points: Some(9),
+    rods: Some(0),
+    substeps: 10,
+    fast_substeps: None,
+    planner: None,
+    has_capture: false,
+};

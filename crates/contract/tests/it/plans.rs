@@ -20,18 +20,7 @@ use bendtwin_proto::v1::{
 use proptest::{collection::vec, num, prelude::*};
 
 /// 5 nodes that hang from two control points.
-const TWIN: TwinShape = TwinShape {
-    nodes: 5,
-    springs: 4,
-    triplets: 3,
-    controls: 2,
-    skin_points: Some(9),
-    rods: Some(0),
-    substeps: 10,
-    fast_substeps: None,
-    planner: None,
-    has_capture: false,
-};
+const TWIN: TwinShape = TwinShape { controls: 2, ..crate::TWIN };
 
 fn checked(request: PlanRequest) -> Result<Checked, Error> {
     check(request, SessionParts::default(), &TWIN, 0.1, &Limits::default())

@@ -2,7 +2,7 @@
 
 use bendtwin_contract::{
     registration::{carry, check_correction, check_registration, registration_work},
-    rollout::{Limits, TwinShape},
+    rollout::Limits,
 };
 use bendtwin_contract_kit::registration as cases;
 use bendtwin_core::{Category, Problem as _};
@@ -13,19 +13,7 @@ use bendtwin_proto::v1::{
     initial_state::{Settled, State},
 };
 
-/// 5 nodes that hang from a control point.
-const TWIN: TwinShape = TwinShape {
-    nodes: 5,
-    springs: 4,
-    triplets: 3,
-    controls: 1,
-    skin_points: Some(9),
-    rods: Some(0),
-    substeps: 10,
-    fast_substeps: None,
-    planner: None,
-    has_capture: false,
-};
+use crate::TWIN;
 
 #[test]
 fn each_fault_is_refused_and_named() {

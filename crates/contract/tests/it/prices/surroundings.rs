@@ -9,18 +9,7 @@ use prost::Message as _;
 
 /// Memory of a set of parameters beside its arrays [bytes].
 const SET: u64 = 4096;
-const TWIN: TwinShape = TwinShape {
-    nodes: 5,
-    springs: 4,
-    triplets: 3,
-    controls: 2,
-    skin_points: Some(9),
-    rods: Some(0),
-    substeps: 10,
-    fast_substeps: None,
-    planner: None,
-    has_capture: false,
-};
+const TWIN: TwinShape = TwinShape { controls: 2, ..crate::TWIN };
 
 fn request(members: u32) -> RollOutRequest {
     let mass = Tensor::pack(&[members as usize], &vec![1.0f32; members as usize]);
