@@ -12,6 +12,7 @@ use bendtwin_eval::{
     EvaluateOptions, TableStyle, evaluate, fast_variant, format_table, in_recording,
 };
 use bendtwin_fit::{Look, LookInput};
+use bendtwin_terminal::twin_file;
 use clap::Args;
 use serde_json::json;
 
@@ -128,9 +129,9 @@ fn score(
     let filmed = video::into("--video", args.video.as_deref(), look.as_ref())?;
     let paired = video::into_pairs(args.pairs.as_deref(), look.as_ref())?;
     let (fitted, fit_s) = match &args.twin {
-        Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
+        Some(file) => (Fitted { twin: twin_file::read(file)?, axial: None }, None),
         None => {
-            let start = args.from.as_deref().map(read_twin).transpose()?;
+            let start = args.from.as_deref().map(twin_file::read).transpose()?;
             let (fitted, took) =
                 fit(&capture, settings, start.as_ref(), look.clone(), backend, cancel, quiet)?;
             (fitted, Some(took.as_secs_f64()))
@@ -197,12 +198,6 @@ fn score(
     let assessment = quality::of_twin(&fitted.twin, &quality);
     let substeps = fitted.twin.timing.substeps;
     Ok(Scored { quality, assessment, substeps, fit_s, videos })
-}
-
-fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
-    use anyhow::Context as _;
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    Twin::decode(&bytes).map_err(failure::failed).with_context(|| path.display().to_string())
 }
 
 fn text(name: &str, scored: &Scored) -> String {

@@ -1,7 +1,8 @@
 //! What `bendtwin` and `bendtwin-lab` share: options of the server ([`global`]), of the backend
 //! ([`backend`]) and of the log ([`logging`]), results ([`output`], [`table`]), errors ([`failure`]),
-//! progress ([`progress`]), signals, what is measured and for how long ([`measurement`]), and captures
-//! that are read without a server ([`observation`]).
+//! progress ([`progress`]), signals, what is measured and for how long ([`measurement`]), captures
+//! that are read without a server ([`observation`]), twin files ([`twin_file`]), and the choice
+//! of the model that answers ([`fidelity`]).
 
 pub mod backend;
 pub mod failure;
@@ -14,3 +15,4 @@ pub mod output;
 pub mod progress;
 pub mod signals;
 pub mod table;
+pub mod twin_file;

@@ -6,7 +6,6 @@ use std::{
     sync::Arc,
 };
 
-use anyhow::Context as _;
 use bendtwin_core::{CancelToken, Twin};
 use bendtwin_engine::Backend;
 use bendtwin_eval::{CorrectionPlan, CorrectionScore, corrections, in_recording};
@@ -15,7 +14,7 @@ use bendtwin_terminal::{
     backend::BackendArgs,
     failure::{self, Failed},
     global::Global,
-    observation, output, signals,
+    observation, output, signals, twin_file,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -71,7 +70,7 @@ pub(crate) async fn run(args: Corrections, global: &Global) -> anyhow::Result<()
     let (args, quiet) = (Arc::new(args), global.json);
     let opening = Arc::clone(&args);
     let opened = tokio::task::spawn_blocking(move || {
-        anyhow::Ok((opening.backend.open()?, read_twin(&opening.twin)?))
+        anyhow::Ok((opening.backend.open()?, twin_file::read(&opening.twin)?))
     });
     let (backend, twin) = opened.await??;
     let twin = Arc::new(twin);
@@ -87,11 +86,6 @@ pub(crate) async fn run(args: Corrections, global: &Global) -> anyhow::Result<()
         output::print(global, &document, || format!("{name}\n\n{}", table(&scores)))?;
     }
     Ok(())
-}
-
-fn read_twin(path: &Path) -> anyhow::Result<Twin> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    Twin::decode(&bytes).map_err(failure::failed).with_context(|| path.display().to_string())
 }
 
 fn compare(
