@@ -24,7 +24,7 @@ use crate::{Limits, read::read_noting};
 pub fn check(capture: &Capture) -> CheckReport {
     if let Err(error) = validate(capture) {
         let findings = vec![Finding::error(error.reason(), error.to_string())];
-        return CheckReport { findings: report::merge(findings) };
+        return CheckReport { findings: report::merge(findings), ..CheckReport::default() };
     }
     let mut findings = one(capture);
     for other in &capture.others {
@@ -36,7 +36,7 @@ pub fn check(capture: &Capture) -> CheckReport {
         };
         findings.extend(one(other).into_iter().filter(|f| !is_split(f)).map(named));
     }
-    CheckReport { findings: report::merge(findings) }
+    CheckReport { findings: report::merge(findings), ..CheckReport::default() }
 }
 
 /// Findings about one recording.
@@ -76,7 +76,7 @@ pub fn check_path(path: &Path, limits: &Limits) -> CheckReport {
         Err(error) => {
             let finding =
                 Finding::from_sentence(Severity::Error, error.reason(), error.to_string());
-            CheckReport { findings: vec![finding] }
+            CheckReport { findings: vec![finding], ..CheckReport::default() }
         }
     }
 }

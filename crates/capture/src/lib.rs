@@ -13,6 +13,7 @@ pub mod phystwin;
 pub mod raw;
 pub mod read;
 pub mod several;
+pub mod sources;
 pub mod views;
 
 mod array;
@@ -34,4 +35,5 @@ pub use format::{is_npz, root};
 pub use limits::Limits;
 pub use read::{Opened, open, read, read_bytes};
 pub use several::Part;
+pub use sources::Sources;
 pub use views::{read_views, write_observation};

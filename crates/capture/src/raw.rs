@@ -37,7 +37,7 @@ pub use self::{
     phystwin::{export_case, write_case},
 };
 use crate::{
-    Error, Limits,
+    Error, Limits, Sources,
     files::{Contents, Files},
     format::{Format, Place},
 };
@@ -117,6 +117,8 @@ pub struct Recording {
     /// Remarks of the reader: labels and numbers as it took them, and what it noticed without
     /// failing.
     pub notes: Vec<Finding>,
+    /// What the reader took as what, and what it left out.
+    pub sources: Sources,
     /// Source of the frames.
     pub source: Arc<dyn Source>,
 }

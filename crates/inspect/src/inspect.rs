@@ -84,6 +84,7 @@ fn blank(recording: &Recording) -> Inspection {
         fps: Some(recording.fps).filter(|fps| fps.is_finite()),
         frame_count: recording.frame_count,
         train_frame_count: recording.train_frame_count,
+        sources: recording.sources.clone(),
         ..Inspection::unread(&recording.name)
     };
     inspection.add(recording.notes.iter().cloned());

@@ -1,5 +1,6 @@
 //! The result of an inspection: measurements and findings.
 
+use bendtwin_capture::Sources;
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +33,9 @@ pub struct Inspection {
     pub verdict: Verdict,
     /// Findings, the worst first, and in the order of repair.
     pub findings: Vec<Finding>,
+    /// What was taken as what, and what was left out.
+    #[serde(default)]
+    pub sources: Sources,
     /// The scene as a whole.
     pub scene: Scene,
     /// The cameras of a recording.
@@ -186,6 +190,7 @@ impl Inspection {
             train_frame_count: 0,
             verdict: Verdict::Good,
             findings: Vec::new(),
+            sources: Sources::default(),
             scene: Scene::default(),
             cameras: Vec::new(),
             pairs: Vec::new(),
@@ -232,6 +237,9 @@ impl Inspection {
 
     /// The findings as a check of the capture gives them.
     pub fn check_report(&self) -> bendtwin_capture::CheckReport {
-        bendtwin_capture::CheckReport { findings: self.findings.clone() }
+        bendtwin_capture::CheckReport {
+            findings: self.findings.clone(),
+            sources: self.sources.clone(),
+        }
     }
 }

@@ -5,8 +5,7 @@ use bendtwin_capture::check;
 use bendtwin_core::{Capture, Point, Sequence};
 
 use crate::{
-    Verdict,
-    inspection::{Inspection, Kind, ObservedReport, Scene},
+    inspection::{Inspection, ObservedReport, Scene},
     picture_inputs::PictureInputs,
     statistics::median,
     vector::{Upright, Vector, add, distance, scaled, wide},
@@ -19,22 +18,17 @@ const MAX_POINTS: usize = 400;
 pub fn inspect_observed(capture: &Capture) -> Inspection {
     let sequence = capture.sequences.first();
     let mut inspection = Inspection {
-        name: capture.name.clone(),
-        kind: Kind::Observed,
         fps: Some(capture.fps).filter(|fps| fps.is_finite()),
         frame_count: sequence.map_or(0, |s| s.frame_count),
         train_frame_count: sequence.map_or(0, |s| s.train_frame_count),
-        verdict: Verdict::Good,
-        findings: Vec::new(),
         scene: scene(capture),
-        cameras: Vec::new(),
-        pairs: Vec::new(),
         observed: observed(capture),
         picture_inputs: PictureInputs {
             environment: capture.environment,
             cameras: Vec::new(),
             capture: is_whole(capture).then(|| capture.clone()),
         },
+        ..Inspection::unread(&capture.name)
     };
     inspection.add(check(capture).findings);
     inspection

@@ -7,6 +7,7 @@ mod evidence;
 mod findings;
 mod markup;
 mod pictures;
+mod sources;
 mod timeline;
 
 use bendtwin_core::Severity;
@@ -24,6 +25,7 @@ pub(crate) fn page(report: &Report) -> String {
     body.push_str(&verdict(report));
     body.push_str(&facts(report));
     body.push_str(&findings::section(seen));
+    body.push_str(&sources::section(seen));
     body.push_str(&cameras::section(seen));
     body.push_str(&timeline::section(seen));
     body.push_str(&pictures::section(seen));

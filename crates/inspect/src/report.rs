@@ -78,6 +78,7 @@ impl Report {
             frames: Vec::new(),
             ..f.clone()
         };
+        self.inspection.sources.extend(other.inspection.sources.clone());
         self.inspection.add_unrelated(other.inspection.findings.iter().map(named));
     }
 

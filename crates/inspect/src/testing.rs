@@ -60,6 +60,7 @@ pub(crate) fn healthy() -> (TestScene, Recording) {
         truth_tracks: Vec::new(),
         mass_kg: None,
         notes: Vec::new(),
+        sources: bendtwin_capture::Sources::default(),
         source: HEALTHY.clone(),
     };
     (scene, recording)

@@ -80,6 +80,7 @@ impl TestScene {
             truth_tracks,
             mass_kg: None,
             notes: Vec::new(),
+            sources: bendtwin_capture::Sources::default(),
             source: Arc::new(SceneSource { scene: self, cameras }),
         }
     }

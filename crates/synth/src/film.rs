@@ -135,6 +135,7 @@ pub fn film_with(
         truth_tracks,
         mass_kg: None,
         notes: Vec::new(),
+        sources: bendtwin_capture::Sources::default(),
         source: Arc::new(stage),
     })
 }

@@ -204,6 +204,7 @@ pub fn recording() -> Recording {
         truth_tracks: Vec::new(),
         mass_kg: None,
         notes: Vec::new(),
+        sources: bendtwin_capture::Sources::default(),
         source: Arc::new(Made),
     }
 }

@@ -26,7 +26,10 @@ pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
         // A raw recording has no points to check yet: its images are checked.
         if report.has(RAW_CAPTURE) {
             report.findings = match bendtwin_capture::open(&path, &Limits::default()) {
-                Ok(Opened::Raw(recording)) => look(&recording),
+                Ok(Opened::Raw(recording)) => {
+                    report.sources = recording.sources.clone();
+                    look(&recording)
+                }
                 Ok(Opened::Several(parts)) => parts.into_iter().flat_map(look_at).collect(),
                 Ok(Opened::Observed(..)) => return report,
                 Err(error) => vec![finding(Severity::Error, error.reason(), error.to_string())],
@@ -74,7 +77,8 @@ pub(super) fn text(report: &CheckReport) -> String {
         (true, 0) => "This capture can be fitted.",
         (true, _) => "This capture can be fitted; the warnings name what limits the result.",
     };
-    lines(&report.findings) + verdict
+    let sources: String = report.sources.lines().map(|line| format!("read     {line}\n")).collect();
+    sources + &lines(&report.findings) + verdict
 }
 
 /// Findings, a line each.

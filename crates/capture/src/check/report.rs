@@ -3,7 +3,7 @@
 use bendtwin_core::{Finding, Severity};
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::{Error, Sources};
 
 /// Remark of a reader that did not fail.
 #[derive(Debug)]
@@ -20,6 +20,9 @@ impl Note {
 pub struct CheckReport {
     /// Findings, the worst first.
     pub findings: Vec<Finding>,
+    /// What was taken as what, and what was left out; empty if a format leaves no choice.
+    #[serde(default, skip_serializing_if = "Sources::is_empty")]
+    pub sources: Sources,
 }
 
 impl CheckReport {

@@ -22,7 +22,7 @@ use super::{
     validity,
 };
 use crate::{
-    Error,
+    Error, Sources,
     files::{Files, is_plain},
     frame::Frame,
     phystwin::json,
@@ -88,6 +88,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         truth_tracks: Vec::new(),
         mass_kg: None,
         notes: crate::format::taken(&files.list("")).into_iter().collect(),
+        sources: Sources::default(),
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

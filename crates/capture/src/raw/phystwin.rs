@@ -20,7 +20,7 @@ use super::{
     validity,
 };
 use crate::{
-    Error, Limits,
+    Error, Limits, Sources,
     files::{Files, at_most},
     frame::Frame,
     phystwin::{json, split, truth},
@@ -72,8 +72,12 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     let mut notes: Vec<Finding> = numbering.note().into_iter().chain(labels.note()).collect();
     let unit = depth_unit(metadata.depth_unit_m)?;
     let mut stored = Vec::with_capacity(cameras.len());
+    let mut sources = Sources::default();
     for (index, ([color, depth], masks)) in images.into_iter().zip(masks).enumerate() {
         notes.extend(masks.note(index));
+        for (part, kind) in [("colour", "color"), ("depth", "depth")] {
+            sources.take(part, Some(&cameras[index].name), format!("{kind}/{index}"), "");
+        }
         let [object, manipulator] = masks.names(&labels, numbering, &color)?;
         stored.push(CameraFiles {
             size: metadata.size,
@@ -102,6 +106,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         truth_tracks,
         mass_kg: None,
         notes,
+        sources,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

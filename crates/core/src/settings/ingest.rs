@@ -1,14 +1,28 @@
 //! Settings of lifting a raw recording to tracked points. Every field has a default, unknown fields
 //! are refused, and [`IngestSettings::validate`] reports all faults together.
 
+mod calibration;
+mod strokes;
+
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
+
+pub use self::{
+    calibration::{BoardPattern, BoardSettings, CalibrationSettings, GroundSource},
+    strokes::{Part, Stage, Stroke},
+};
 
 /// Settings of the ingest of a raw recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IngestSettings {
+    /// Stage after which the ingest ends.
+    pub until: Stage,
+    /// Poses of the cameras and the ground, where the recording's own are not used.
+    pub calibration: CalibrationSettings,
+    /// Strokes in the images from which masks are made; with none, masks come with the recording.
+    pub strokes: Vec<Stroke>,
     /// Cleaning of masks.
     pub masks: MaskSettings,
     /// Lifting of pixels to points.
@@ -131,6 +145,9 @@ pub enum Interior {
 impl Default for IngestSettings {
     fn default() -> Self {
         Self {
+            until: Stage::Points,
+            calibration: CalibrationSettings::default(),
+            strokes: Vec::new(),
             masks: MaskSettings::default(),
             lift: LiftSettings::default(),
             motion: MotionSettings::default(),
@@ -262,6 +279,8 @@ impl IngestSettings {
                 side * side
             ));
         }
+        self.calibration.add_faults(&mut faults);
+        strokes::add_faults(&self.strokes, &mut faults);
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
 }

@@ -87,6 +87,7 @@ impl Scene {
             truth_tracks: Vec::new(),
             mass_kg: None,
             notes: Vec::new(),
+            sources: bendtwin_capture::Sources::default(),
             source: Arc::new(self.clone()),
         }
     }

@@ -6,7 +6,7 @@ use bendtwin_core::Finding;
 
 use super::section::{AlignmentEntry, CameraEntry, MeshEntry, Section};
 use crate::{
-    Error,
+    Error, Sources,
     bundle::{MARKER, Manifest},
     files::{Files, at_most, is_plain},
     frame::{self, Frame},
@@ -68,6 +68,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         truth_tracks: truth,
         mass_kg: manifest.mass_kg,
         notes,
+        sources: Sources::default(),
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

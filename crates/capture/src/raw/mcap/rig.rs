@@ -14,7 +14,7 @@ use super::{
     transforms::plain,
 };
 use crate::{
-    Error, Limits,
+    Error, Limits, Sources,
     frame::Frame,
     raw::{Camera, Distortion, Intrinsics, MeshFile, Recording, clock, validity},
 };
@@ -139,6 +139,7 @@ pub(super) fn recording(
         truth_tracks: Vec::new(),
         mass_kg: None,
         notes: Vec::new(),
+        sources: Sources::default(),
         source: Arc::new(source),
     })
 }
