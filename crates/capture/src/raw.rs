@@ -15,6 +15,7 @@ pub(crate) mod nerfstudio;
 mod numbering;
 mod phystwin;
 mod stored;
+mod supplement;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tracks;
@@ -35,6 +36,7 @@ pub use self::{
     image::{ColorImage, DepthImage, Image, Mask},
     nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
+    supplement::Supplements,
 };
 use crate::{
     Error, Limits, Sources,
@@ -121,6 +123,13 @@ pub struct Recording {
     pub sources: Sources,
     /// Source of the frames.
     pub source: Arc<dyn Source>,
+}
+
+impl Recording {
+    /// `true` if every camera has a pose.
+    pub fn is_calibrated(&self) -> bool {
+        self.cameras.iter().all(|camera| !camera.poses.is_empty())
+    }
 }
 
 /// A mesh as it lies in a recording, not parsed.

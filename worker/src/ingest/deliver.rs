@@ -30,7 +30,7 @@ const CHUNK: usize = 256 << 10;
 /// Sends the results in the folder, which ends the job.
 pub(super) async fn deliver(attempt: &Attempt<'_>, folder: &Path, ended: ChildOutcome) {
     let (verdict, fault) = match ended {
-        ChildOutcome::Observed { verdict } => (verdict, None),
+        ChildOutcome::Observed { verdict } | ChildOutcome::Masked { verdict } => (verdict, None),
         ChildOutcome::Refused { verdict, fault } => (verdict, Some(fault)),
         ChildOutcome::Exceeded { fault } => {
             // The child could not write a report.
