@@ -9,6 +9,7 @@ mod evaluations;
 mod events;
 mod extract;
 mod gateway;
+mod guide;
 mod message;
 mod operations;
 pub(crate) mod origin;
@@ -35,6 +36,7 @@ pub(crate) fn router(app: &App, grpc: &axum::Router) -> axum::Router {
         .merge(by_hand().router)
         .merge(docs::router())
         .merge(console::router())
+        .merge(guide::router())
         .route_layer(axum::middleware::from_fn(root_service::authorize))
         .route_layer(axum::middleware::from_fn(root_service::note_route));
     with_fallbacks(router).with_state(app.clone())
