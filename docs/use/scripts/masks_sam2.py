@@ -2,7 +2,8 @@
 
     python masks_sam2.py toy --object 0:420,250 --hand 0:610,90 --object 1:300,240 --hand 1:200,80
 
-CAMERA:X,Y are pixels in frame 0, counted from the upper left; every camera needs a click for each part that it sees.
+CAMERA:X,Y are pixels in frame 0, counted from the upper left; every camera needs a click for each
+part that it sees.
 Writes toy/mask/CAMERA/object/NUMBER.png and toy/mask/CAMERA/hand/NUMBER.png.
 Needs `pip install sam2 huggingface_hub opencv-python-headless` and a CUDA device.
 """
@@ -48,7 +49,7 @@ def follow(predictor, images: list[Path], clicks: dict[int, list[list[float]]], 
                 labels=np.ones(len(points), dtype=np.int32),
             )
         for frame, parts, scores in predictor.propagate_in_video(state):
-            for part, score in zip(parts, scores):
+            for part, score in zip(parts, scores, strict=True):
                 file = out / PARTS[part] / f"{images[frame].stem}.png"
                 file.parent.mkdir(parents=True, exist_ok=True)
                 mask = (score[0] > 0).cpu().numpy().astype(np.uint8) * 255
@@ -56,10 +57,13 @@ def follow(predictor, images: list[Path], clicks: dict[int, list[list[float]]], 
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    """Makes the masks of all cameras."""
+    form = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("recording", type=Path)
     for part in PARTS.values():
-        parser.add_argument(f"--{part}", type=click, action="append", default=[], metavar="CAMERA:X,Y")
+        many = {"action": "append", "default": [], "metavar": "CAMERA:X,Y"}
+        parser.add_argument(f"--{part}", type=click, **many)
     parser.add_argument("--model", default="facebook/sam2.1-hiera-large")
     options = parser.parse_args()
 

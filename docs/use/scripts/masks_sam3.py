@@ -2,9 +2,10 @@
 
     python masks_sam3.py toy --object "plush sloth" --hand "hand"
 
-Writes toy/mask/CAMERA/object/NUMBER.png and toy/mask/CAMERA/hand/NUMBER.png: all that the words describe, in every camera.
-Needs SAM 3 (https://github.com/facebookresearch/sam3), access to its weights, `pip install opencv-python-headless`
-and a CUDA device.
+Writes toy/mask/CAMERA/object/NUMBER.png and toy/mask/CAMERA/hand/NUMBER.png: all that the words
+describe, in every camera.
+Needs SAM 3 (https://github.com/facebookresearch/sam3), access to its weights,
+`pip install opencv-python-headless` and a CUDA device.
 """
 
 import argparse
@@ -23,8 +24,10 @@ def images_of(folder: Path) -> list[Path]:
 
 
 def follow(predictor, frames: str, images: list[Path], words: str, out: Path) -> int:
-    """Follows what the words describe through all images of a camera; returns the number of frames that show it."""
-    session = predictor.handle_request({"type": "start_session", "resource_path": frames})["session_id"]
+    """Follows what the words describe through the images of a camera; returns the number of frames
+    that show it."""
+    start = {"type": "start_session", "resource_path": frames}
+    session = predictor.handle_request(start)["session_id"]
     prompt = {"type": "add_prompt", "session_id": session, "frame_index": 0, "text": words}
     predictor.handle_request(prompt)
     out.mkdir(parents=True, exist_ok=True)
@@ -41,7 +44,9 @@ def follow(predictor, frames: str, images: list[Path], words: str, out: Path) ->
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    """Makes the masks of all cameras."""
+    form = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("recording", type=Path)
     parser.add_argument("--object", required=True, help="words for the soft object")
     parser.add_argument("--hand", default="hand", help="words for the hand or gripper")

@@ -2,10 +2,11 @@
 
     python record_realsense.py toy --seconds 6
 
-Starts all connected cameras (or those given with --serial, in this order), the first as the master of hardware
-synchronisation, and writes colour, depth aligned to colour, and metadata.json. Frames that any camera missed are
-gaps, and the program says how many there are. Depth is in millimetres.
-Needs `pip install pyrealsense2 opencv-python-headless`; the cameras need a sync cable to start frames together.
+Starts all connected cameras (or those given with --serial, in this order), the first as the master
+of hardware synchronisation, and writes colour, depth aligned to colour, and metadata.json. Frames
+that any camera missed are gaps, and the program says how many there are. Depth is in millimetres.
+Needs `pip install pyrealsense2 opencv-python-headless`; the cameras need a sync cable to take
+frames together.
 """
 
 import argparse
@@ -69,22 +70,27 @@ class Camera:
                 cv2.imwrite(str(self.folder / kind / str(self.index) / f"{number:04}.png"), image)
 
     def stop(self) -> None:
+        """Stops the camera, once all its images are written."""
         self.images.put(None)
         self.writer.join()
         self.pipeline.stop()
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    """Records, and writes what the cameras say about themselves."""
+    form = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("recording", type=Path)
     parser.add_argument("--seconds", type=float, default=6)
-    parser.add_argument("--serial", action="append", help="serial number of a camera; default: all cameras")
+    serial = "serial number of a camera; default: all cameras"
+    parser.add_argument("--serial", action="append", help=serial)
     parser.add_argument("--width", type=int, default=848)
     parser.add_argument("--height", type=int, default=480)
     parser.add_argument("--fps", type=int, default=30)
     options = parser.parse_args()
 
-    connected = [device.get_info(rs.camera_info.serial_number) for device in rs.context().query_devices()]
+    devices = rs.context().query_devices()
+    connected = [device.get_info(rs.camera_info.serial_number) for device in devices]
     serials = options.serial or sorted(connected)
     if not serials:
         raise SystemExit("no RealSense camera is connected")
@@ -93,7 +99,8 @@ def main() -> None:
         # Automatic exposure settles meanwhile.
         for _ in range(options.fps):
             frames = [camera.pipeline.wait_for_frames(5000) for camera in cameras]
-        start_ms = max(frame.get_color_frame().get_timestamp() for frame in frames)
+        latest_ms = max(frame.get_color_frame().get_timestamp() for frame in frames)
+        start_ms = latest_ms + 1000 / options.fps
         print("recording: hold the object still for a moment, then move it")
         end = time.monotonic() + options.seconds
         while time.monotonic() < end:
@@ -105,7 +112,8 @@ def main() -> None:
 
     count = 1 + max(max(camera.numbers, default=0) for camera in cameras)
     for camera in cameras:
-        print(f"camera {camera.index} ({camera.serial}): {count - len(camera.numbers)} of {count} frames are missing")
+        missing = count - len(camera.numbers)
+        print(f"camera {camera.index} ({camera.serial}): {missing} of {count} frames are missing")
     metadata = {
         "intrinsics": [camera.intrinsics for camera in cameras],
         "serial_numbers": [camera.serial for camera in cameras],
