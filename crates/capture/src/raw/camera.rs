@@ -66,6 +66,18 @@ impl Pose {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
     };
+
+    /// From a quaternion x, y, z, w of any length; not a number if it has none.
+    pub(super) fn from_quaternion(quaternion: [f64; 4], translation: [f64; 3]) -> Self {
+        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let [x, y, z, w] = quaternion.map(|q| q / length);
+        let rotation = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        Self { rotation, translation }
+    }
 }
 
 impl Camera {

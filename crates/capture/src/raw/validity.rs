@@ -116,7 +116,7 @@ pub(super) fn check_size(
 }
 
 /// The pose with the rotation nearest to what was written.
-fn settle_pose(camera: &str, pose: &Pose) -> Result<Pose, Error> {
+pub(super) fn settle_pose(camera: &str, pose: &Pose) -> Result<Pose, Error> {
     let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });
     let Pose { rotation: r, translation } = pose;
     if !r.iter().flatten().chain(translation).all(|x| x.is_finite()) {
