@@ -16,6 +16,7 @@ mod label;
 mod layout;
 mod pnp;
 mod size;
+mod spec;
 mod views;
 
 use bendtwin_capture::raw::{CalibratedCamera, Calibration, Recording};
@@ -26,6 +27,7 @@ use self::{adjust::Observation, join::Joined, views::Views};
 pub use self::{
     dictionary::Dictionary,
     layout::{Board, Marker},
+    spec::{FORMS, parse, text},
 };
 use crate::{Error, lens::Lens, place, statistics::median};
 

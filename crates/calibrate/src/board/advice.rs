@@ -16,6 +16,7 @@ use super::{
     label::{MIN_MARKERS, Parts},
     layout::Board,
     named,
+    spec::text,
     views::{Views, spread},
 };
 use crate::{Error, error::check};
@@ -180,22 +181,4 @@ impl Parts {
             decoded.iter().filter(|d| d.found.wrong == 0).map(|d| d.found.id).collect();
         (ids.len(), ids.last().copied().unwrap_or_default())
     }
-}
-
-/// A board as an option of the command states it.
-fn text(board: &BoardSettings) -> String {
-    let pattern = match board.pattern {
-        BoardPattern::Charuco => "charuco",
-        BoardPattern::AprilGrid => "apriltag",
-    };
-    let mm = |metres: f64| format!("{}mm", (metres * 1e6).round() / 1e3);
-    let second = match board.pattern {
-        BoardPattern::Charuco => [mm(board.square_m), mm(board.marker_m)],
-        BoardPattern::AprilGrid => [mm(board.marker_m), mm(board.square_m - board.marker_m)],
-    };
-    let legacy = if board.legacy { ":legacy" } else { "" };
-    format!(
-        "{pattern}:{}x{}:{}:{}:{}{legacy}",
-        board.columns, board.rows, second[0], second[1], board.dictionary
-    )
 }

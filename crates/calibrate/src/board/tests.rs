@@ -1,6 +1,8 @@
 //! Boards that are filmed by made cameras.
 
 mod accuracy;
+mod faults;
+mod motion;
 
 use bendtwin_capture::raw::{Camera, Distortion, Intrinsics, Pose, Recording};
 use bendtwin_core::settings::ingest::BoardPattern;
