@@ -152,10 +152,16 @@ impl Parts {
             }
         }
         loop {
+            let known: Vec<Known> = board
+                .corners
+                .iter()
+                .zip(&at)
+                .filter_map(|(place, at)| Some(Known { place: *place, at: (*at)? }))
+                .collect();
             let mut grown = false;
             for corner in 0..at.len() {
                 if at[corner].is_none()
-                    && let Some(saddle) = self.snapped(board, &at, corner, &taken)
+                    && let Some(saddle) = self.snapped(board, &known, corner, &taken)
                 {
                     (at[corner], taken[saddle]) = (Some(self.saddles[saddle].at), true);
                     grown = true;
@@ -173,27 +179,22 @@ impl Parts {
     fn snapped(
         &self,
         board: &Board,
-        at: &[Option<[f64; 2]>],
+        known: &[Known],
         corner: usize,
         taken: &[bool],
     ) -> Option<usize> {
         let wanted = board.corners[corner];
-        let mut known: Vec<(f64, [f64; 2], [f64; 2])> = board
-            .corners
-            .iter()
-            .zip(at)
-            .filter_map(|(place, at)| Some((apart(*place, wanted), *place, (*at)?)))
-            .collect();
-        known.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Far from all that is known, a prediction is a guess.
         let reach = 2.3 * board.settings.square_m;
-        known.truncate(NEAREST);
-        let near = known.iter().filter(|k| k.0 < reach).count();
+        let near = known.iter().filter(|k| apart(k.place, wanted) < reach).count();
         if near < 2 || known.len() < 4 {
             return None;
         }
-        let from: Vec<[f64; 2]> = known.iter().map(|k| k.1).collect();
-        let to: Vec<[f64; 2]> = known.iter().map(|k| k.2).collect();
+        let mut known = known.to_vec();
+        known.sort_by(|a, b| apart(a.place, wanted).total_cmp(&apart(b.place, wanted)));
+        known.truncate(NEAREST);
+        let from: Vec<[f64; 2]> = known.iter().map(|k| k.place).collect();
+        let to: Vec<[f64; 2]> = known.iter().map(|k| k.at).collect();
         let plane = Homography::of(&from, &to)?;
         let predicted = plane.apply(wanted)?;
         let beside = plane.apply([wanted[0] + board.settings.marker_m, wanted[1]])?;
@@ -207,6 +208,13 @@ impl Parts {
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         (distance < tolerance).then_some(saddle)
     }
+}
+
+/// A corner that was found, on the board [m] and in the image [px].
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    place: [f64; 2],
+    at: [f64; 2],
 }
 
 #[derive(Clone, Debug)]

@@ -163,13 +163,13 @@ impl Board {
             BoardPattern::Charuco => {
                 let row = s.rows as usize - 1 - up.min(s.rows as usize - 1);
                 let odd = usize::from(s.legacy && s.rows.is_multiple_of(2));
-                let number = row * s.columns as usize + column;
                 if (row + column + odd).is_multiple_of(2) {
                     return true;
                 }
-                let before =
-                    |n: &usize| (n / s.columns as usize + n % s.columns as usize + odd) % 2 == 1;
-                (0..number).filter(before).count()
+                // White squares before this one: in whole rows, and in this row.
+                let columns = s.columns as usize;
+                let of_row = |row: usize, count: usize| (count + (row + odd) % 2) / 2;
+                (0..row).map(|row| of_row(row, columns)).sum::<usize>() + of_row(row, column)
             }
             BoardPattern::AprilGrid => {
                 let gap = s.square_m - s.marker_m;
