@@ -5,6 +5,7 @@
 //! memory stays flat; every camera has a separate reader, so that cameras can be read side by side.
 
 mod bundle;
+mod calibration;
 mod camera;
 mod clock;
 mod decode;
@@ -33,6 +34,7 @@ use bendtwin_core::{Environment, Finding, Point};
 pub(crate) use self::bundle::Section;
 pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
+    calibration::{CALIBRATION_FILE, CalibratedCamera, Calibration},
     camera::{Camera, Distortion, Intrinsics, Pose},
     gripper::{Gripper, Pad},
     image::{ColorImage, DepthImage, Image, Mask},
@@ -79,12 +81,18 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
     // Points that were tracked already are passed over.
     let with_images = [Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
     let format = Format::all(&files.list("")).find(|format| with_images.contains(format));
+    let document = files.find_document(CALIBRATION_FILE)?;
+    let calibration = document.map(|bytes| Calibration::read(&bytes, &limits)).transpose()?;
     let mut recording = match format {
         Some(Format::Bundle) => bundle::read(files)?,
         Some(Format::Nerfstudio) => nerfstudio::read(files)?,
-        Some(Format::RawPhysTwin) => phystwin::read(files)?,
+        Some(Format::RawPhysTwin) => phystwin::read(files, calibration.as_ref())?,
         _ => return Err(files.unknown()),
     };
+    if let Some(calibration) = &calibration {
+        calibration.apply(&mut recording)?;
+        recording.sources.take("pose", None, CALIBRATION_FILE, &calibration.source);
+    }
     validity::settle(&mut recording, &limits)?;
     Ok(recording)
 }

@@ -53,6 +53,7 @@ pub(crate) fn inspect_with(
     inspection.scene = assessment.scene;
     inspection.cameras = assessment.cameras;
     inspection.pairs = assessment.pairs;
+    inspection.corrections = assessment.corrections;
     inspection.picture_inputs = PictureInputs::of(recording, scans);
     Ok(inspection)
 }

@@ -1,10 +1,13 @@
 //! The result of an inspection: measurements and findings.
 
-use bendtwin_capture::Sources;
+use bendtwin_capture::{
+    Sources,
+    raw::{Calibration, Pose, Recording},
+};
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
-use crate::{Finding, Verdict, consequences, finding, picture_inputs::PictureInputs};
+use crate::{Code, Finding, Verdict, consequences, finding, picture_inputs::PictureInputs};
 
 /// The kind of capture that was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,6 +47,9 @@ pub struct Inspection {
     pub pairs: Vec<PairReport>,
     /// The points of an observed capture.
     pub observed: Option<ObservedReport>,
+    /// Corrections of cameras that are off; not part of the document.
+    #[serde(skip)]
+    pub(crate) corrections: Vec<(usize, Pose)>,
     /// Material for pictures; not part of the document.
     #[serde(skip)]
     pub(crate) picture_inputs: PictureInputs,
@@ -195,6 +201,7 @@ impl Inspection {
             cameras: Vec::new(),
             pairs: Vec::new(),
             observed: None,
+            corrections: Vec::new(),
             picture_inputs: PictureInputs::default(),
         }
     }
@@ -223,6 +230,27 @@ impl Inspection {
         finding::advise(&mut self.findings);
         finding::sort(&mut self.findings);
         self.verdict = Verdict::of(&self.findings);
+    }
+
+    /// The calibration in which every camera that is off ([`Code::CameraOff`]) stands where it agrees
+    /// with the others; `None` if no camera is off, or only so far that no motion was found.
+    pub fn correction(&self, recording: &Recording) -> Option<Calibration> {
+        let is_off = |camera: &usize| {
+            let named =
+                |f: &Finding| f.code == Code::CameraOff.name() && f.cameras.contains(camera);
+            self.findings.iter().any(named)
+        };
+        let mut calibration = Calibration::of(recording, "correction");
+        let mut corrected = false;
+        for (camera, motion) in self.corrections.iter().filter(|(camera, _)| is_off(camera)) {
+            let Some(pose) = calibration.cameras.get_mut(*camera).and_then(|c| c.pose.as_mut())
+            else {
+                continue;
+            };
+            *pose = motion.after(pose);
+            corrected = true;
+        }
+        corrected.then_some(calibration)
     }
 
     /// The finding to deal with first, if anything has to be done.

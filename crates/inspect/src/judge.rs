@@ -15,7 +15,7 @@ mod start;
 mod timing;
 mod tracks;
 
-use bendtwin_capture::raw::Recording;
+use bendtwin_capture::raw::{Pose, Recording};
 use bendtwin_core::settings::ingest::IngestSettings;
 
 use self::paths::Paths;
@@ -45,6 +45,8 @@ pub(crate) struct Assessment {
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<CameraReport>,
     pub(crate) pairs: Vec<PairReport>,
+    /// Motions of the world that would bring cameras to where they stand, by index of the camera.
+    pub(crate) corrections: Vec<(usize, Pose)>,
 }
 
 /// Judges a scanned recording.

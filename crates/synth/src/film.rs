@@ -23,6 +23,7 @@ use super::{
     MakeOptions, Scene,
     observe::{FPS, Performance, TRAIN_SHARE, perform, spread},
     scene,
+    sheet::Sheet,
     skin::Skin,
     texture::normal,
 };
@@ -45,6 +46,8 @@ pub struct FilmOptions {
     pub tracks: bool,
     /// Mesh of the body that lies beside the recording.
     pub shape: Shape,
+    /// A printed sheet on the table, a board for calibrating say, in the middle of what the cameras see.
+    pub sheet: Option<Sheet>,
 }
 
 /// The mesh that lies beside a recording.
@@ -69,6 +72,7 @@ impl FilmOptions {
             size: [424, 240],
             tracks: true,
             shape: Shape::Aligned,
+            sheet: None,
         }
     }
 

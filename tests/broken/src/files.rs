@@ -138,7 +138,6 @@ fn descriptions() -> Vec<Broken> {
         case("a thousand cameras", "CAPTURE_TOO_MANY", |f| {
             redescribe(f, |about| about.cameras = vec![about.cameras[0].clone(); 1000]);
         }),
-        case("no calibration", "MISSING_FILE", |f| drop(f.remove("calibrate.pkl"))),
         case("a calibration that was cut off", "FILE_DAMAGED", |f| cut(f, "calibrate.pkl")),
         case("a calibration that calls a function", "PICKLE_GLOBAL_REFUSED", |f| {
             let call = b"\x80\x03cos\nsystem\nX\x04\x00\x00\x00true\x85R.".to_vec();

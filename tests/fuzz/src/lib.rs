@@ -6,6 +6,7 @@
 //! add one.
 
 pub mod archives;
+pub mod calibrations;
 pub mod images;
 pub mod meshes;
 pub mod recordings;
@@ -28,8 +29,10 @@ pub struct Target {
 
 /// All targets, by name.
 pub const TARGETS: &[Target] = &[
+    Target { name: "calibration", run: calibrations::calibration, seeds: seeds::calibration },
     Target { name: "case", run: archives::case, seeds: seeds::case },
     Target { name: "checkpoint", run: twins::checkpoint, seeds: seeds::checkpoint },
+    Target { name: "colmap", run: calibrations::colmap, seeds: seeds::colmap },
     Target { name: "glb", run: meshes::glb, seeds: seeds::glb },
     Target { name: "jpeg", run: images::jpeg, seeds: seeds::jpeg },
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },

@@ -3,7 +3,7 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
+    Fault, Rng, arrays, calibrations, damage, documents, images, meshes, pickles, recordings, requests, samples,
     splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
@@ -134,6 +134,21 @@ pub(crate) fn obj() -> Vec<Vec<u8>> {
 
 pub(crate) fn ply() -> Vec<Vec<u8>> {
     with_faults(vec![meshes::PLY_TEXT.to_vec(), meshes::binary_ply()], meshes::PLY)
+}
+
+pub(crate) fn calibration() -> Vec<Vec<u8>> {
+    let texts = [calibrations::JSON, calibrations::KALIBR, calibrations::OPENCV, calibrations::XML];
+    with_faults(texts.map(|text| text.as_bytes().to_vec()).to_vec(), calibrations::FAULTS)
+}
+
+pub(crate) fn colmap() -> Vec<Vec<u8>> {
+    let texts = [
+        "1 PINHOLE 640 480 600 600 320 240\n",
+        "1 1 0 0 0 0.1 0.2 0.3 1 0/0.png\n1 2 1 3 4 -1\n",
+        "1 0 0 1 1 2 3 0.5 1 0\n",
+    ];
+    let valid = calibrations::parts().into_iter().chain(texts.map(|t| t.as_bytes().to_vec()));
+    with_faults(valid.collect(), calibrations::MODELS)
 }
 
 pub(crate) fn splats() -> Vec<Vec<u8>> {

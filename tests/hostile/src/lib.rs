@@ -3,12 +3,13 @@
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
 //! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`splats`], [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
+//! [`splats`], [`documents`], [`calibrations`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
 //! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
 
 pub mod archives;
 pub mod arrays;
+pub mod calibrations;
 pub mod damage;
 pub mod documents;
 pub mod images;
@@ -58,6 +59,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", images::IN_CAPTURES),
         named("zip", meshes::IN_CAPTURES),
         named("zip", documents::IN_CAPTURES),
+        named("zip", calibrations::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
     ]
     .concat();

@@ -18,8 +18,8 @@ pub struct Camera {
     pub intrinsics: Intrinsics,
     /// Distortion by the lens.
     pub distortion: Distortion,
-    /// From the camera to the world: one for a camera that stands, or one for each frame; none if the
-    /// camera is not calibrated, with which nothing can be placed in space.
+    /// From the camera to the world: one for a camera that stands, or one for each frame; empty if no
+    /// camera of the recording is calibrated.
     pub poses: Vec<Pose>,
     /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that
     /// are missing, shape [T]; empty if the recording has no times.
@@ -102,7 +102,7 @@ impl Camera {
         self.pose(frame).to_world([x * depth_m, y * depth_m, depth_m])
     }
 
-    /// Pose in a frame; the identity if the camera is not calibrated.
+    /// Pose in a frame; [`Pose::IDENTITY`] if the camera is not calibrated.
     pub fn pose(&self, frame: usize) -> &Pose {
         self.poses.get(frame).or(self.poses.first()).unwrap_or(&Pose::IDENTITY)
     }
@@ -179,6 +179,42 @@ impl Distortion {
 }
 
 impl Pose {
+    /// A camera at the world's origin that looks along z, x to the right and y down.
+    pub const IDENTITY: Self = Self {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
+    /// The motion that does `first`, then this.
+    #[must_use]
+    pub fn after(&self, first: &Self) -> Self {
+        Self {
+            rotation: std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    (0..3).map(|k| self.rotation[i][k] * first.rotation[k][j]).sum()
+                })
+            }),
+            translation: self.moved(first.translation),
+        }
+    }
+
+    /// The motion that undoes this.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let r = &self.rotation;
+        let rotation: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| r[j][i]));
+        let back = Self { rotation, translation: [0.0; 3] };
+        Self { rotation, translation: back.moved(self.translation).map(|x| -x) }
+    }
+
+    /// Where the motion takes a place.
+    pub fn moved(&self, p: [f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|i| {
+            r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2] + self.translation[i]
+        })
+    }
+
     /// From the rows of a matrix of 4 x 4, whose last is 0, 0, 0, 1, or of 3 x 4, which lacks it.
     pub(super) fn from_rows(camera: &str, m: &[[f64; 4]]) -> Result<Self, Error> {
         let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use self::{labels::Labels, masks::Masks};
 use super::{
-    Alignment, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
+    Alignment, Calibration, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
     decode::DepthUnit,
     gripper,
     numbering::{self, Images, Numbering},
@@ -41,6 +41,8 @@ const DEPTH_UNIT_M: f64 = 0.001;
 
 #[derive(Deserialize)]
 struct Metadata {
+    /// May be absent beside a `calibration.json`.
+    #[serde(default)]
     intrinsics: Vec<[[f64; 3]; 3]>,
     #[serde(rename = "WH")]
     size: [usize; 2],
@@ -55,15 +57,23 @@ struct Metadata {
     object_labels: Vec<String>,
 }
 
-/// Reads the case at the root of `files`, but none of its frames.
-pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
+/// Reads the case at the root of `files`, but none of its frames. A calibration beside it replaces
+/// that of the case; without either, cameras have no poses.
+pub(super) fn read(
+    mut files: Files<'static>,
+    calibration: Option<&Calibration>,
+) -> Result<Recording, Error> {
     let metadata: Metadata = json(&files.read_document(MARKER)?, MARKER)?;
     let up = metadata.up_axis.as_deref().unwrap_or("-z");
     let frame = Frame::from_up(up).ok_or_else(|| {
         Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
     })?;
-    validity::count(metadata.intrinsics.len(), metadata.frame_num.unwrap_or(1), &files.limits)?;
-    let cameras = cameras(&mut files, &metadata, &frame)?;
+    let camera_count = match (metadata.intrinsics.len(), calibration) {
+        (0, Some(calibration)) => calibration.cameras.len(),
+        (count, _) => count,
+    };
+    validity::count(camera_count, metadata.frame_num.unwrap_or(1), &files.limits)?;
+    let cameras = cameras(&mut files, &metadata, &frame, calibration, camera_count)?;
     let images = images(&mut files, &cameras)?;
     let numbering = numbering(&images, metadata.frame_num, &files.limits)?;
     let frame_count = numbering.frame_count;
@@ -118,28 +128,50 @@ fn cameras(
     files: &mut Files<'static>,
     metadata: &Metadata,
     frame: &Frame,
+    calibration: Option<&Calibration>,
+    camera_count: usize,
 ) -> Result<Vec<Camera>, Error> {
-    let camera_count = metadata.intrinsics.len();
-    let (at, poses) = poses(files)?;
-    for (what, count) in [(at, poses.len()), ("`serial_numbers`", metadata.serial_numbers.len())] {
-        if count != camera_count && !(what == "`serial_numbers`" && count == 0) {
+    let own = if calibration.is_some() { None } else { poses(files)? };
+    let names = metadata.serial_numbers.len();
+    let counts = own.iter().map(|(at, poses)| (*at, poses.len()));
+    for (what, count) in counts.chain((names > 0).then_some(("`serial_numbers`", names))) {
+        if count != camera_count {
             return Err(Error::Lengths(format!(
                 "{MARKER} has intrinsics of {camera_count} cameras, but {what} has {count}: one each"
             )));
         }
     }
+    let names: Vec<String> = match calibration {
+        _ if names > 0 => metadata.serial_numbers.clone(),
+        Some(calibration) if metadata.intrinsics.is_empty() => {
+            calibration.cameras.iter().map(|camera| camera.name.clone()).collect()
+        }
+        _ => (0..camera_count).map(|index| index.to_string()).collect(),
+    };
+    let calibrated = match calibration {
+        Some(calibration) => calibration.of_cameras(names.iter().map(String::as_str))?,
+        None => vec![None; camera_count],
+    };
     let mut cameras = Vec::with_capacity(camera_count);
-    for (index, (matrix, pose)) in metadata.intrinsics.iter().zip(&poses).enumerate() {
-        let serial = metadata.serial_numbers.get(index);
-        let name = serial.cloned().unwrap_or_else(|| index.to_string());
+    for (index, (name, calibrated)) in names.into_iter().zip(calibrated).enumerate() {
         validity::check_size(&name, metadata.size, &files.limits)?;
+        let given = calibrated.and_then(|camera| camera.intrinsics);
+        let intrinsics = match (metadata.intrinsics.get(index), given) {
+            (Some(matrix), _) => intrinsics(&name, matrix)?,
+            (None, Some(intrinsics)) => intrinsics,
+            (None, None) => {
+                let fault = "neither metadata.json nor calibration.json has its intrinsics";
+                return Err(Error::Camera { camera: name, fault: fault.to_owned() });
+            }
+        };
+        let pose = own.as_ref().and_then(|(_, poses)| poses.get(index));
         cameras.push(Camera {
-            intrinsics: intrinsics(&name, matrix)?,
+            intrinsics,
             name,
             width: metadata.size[0],
             height: metadata.size[1],
             distortion: Distortion::None,
-            poses: vec![pose.turned(frame)],
+            poses: pose.map(|pose| pose.turned(frame)).into_iter().collect(),
             times_s: Vec::new(),
         });
     }
@@ -192,16 +224,15 @@ fn depth_unit(declared: Option<f64>) -> Result<DepthUnit, Error> {
     }
 }
 
-/// Camera-to-world matrices, in the case's own world, and the file that they come from.
-fn poses(files: &mut Files<'static>) -> Result<(&'static str, Vec<Pose>), Error> {
+/// Camera-to-world matrices, in the case's own world, and the file that they come from; `None` if the
+/// case is not calibrated.
+fn poses(files: &mut Files<'static>) -> Result<Option<(&'static str, Vec<Pose>)>, Error> {
     let pose = |(index, rows): (usize, &[[f64; 4]])| Pose::from_rows(&index.to_string(), rows);
     let Some(bytes) = files.find(CALIBRATION)? else {
-        let Some(bytes) = files.find_document(CALIBRATION_JSON)? else {
-            return Err(Error::MissingFile(format!("{CALIBRATION} (or {CALIBRATION_JSON})")));
-        };
+        let Some(bytes) = files.find_document(CALIBRATION_JSON)? else { return Ok(None) };
         let matrices: Vec<Vec<[f64; 4]>> = json(&bytes, CALIBRATION_JSON)?;
         let poses = matrices.iter().map(Vec::as_slice).enumerate().map(pose);
-        return Ok((CALIBRATION_JSON, poses.collect::<Result<_, _>>()?));
+        return Ok(Some((CALIBRATION_JSON, poses.collect::<Result<_, _>>()?)));
     };
     let data = pickle::read(CALIBRATION, &bytes, &files.limits, &mut files.budget)?;
     let mut poses = Vec::new();
@@ -217,7 +248,7 @@ fn poses(files: &mut Files<'static>) -> Result<(&'static str, Vec<Pose>), Error>
             poses.push(pose((poses.len(), matrix))?);
         }
     }
-    Ok((CALIBRATION, poses))
+    Ok(Some((CALIBRATION, poses)))
 }
 
 fn intrinsics(camera: &str, m: &[[f64; 3]; 3]) -> Result<Intrinsics, Error> {

@@ -3,7 +3,7 @@
 
 use bendtwin_core::{FRAME_RATES, geometry};
 
-use super::{Camera, Distortion, Pose, Recording};
+use super::{Camera, Distortion, Intrinsics, Pose, Recording};
 use crate::{Error, Limits, files::at_most};
 
 /// Largest deviation of rows from orthonormal: calibrations are written with few digits.
@@ -35,6 +35,15 @@ pub(super) fn settle(recording: &mut Recording, limits: &Limits) -> Result<(), E
             recording.truth_tracks.len()
         )));
     }
+    let placed = recording.cameras.iter().filter(|camera| !camera.poses.is_empty()).count();
+    if placed > 0
+        && let Some(camera) = recording.cameras.iter().find(|camera| camera.poses.is_empty())
+    {
+        return Err(Error::Camera {
+            camera: camera.name.clone(),
+            fault: "it has no pose, and other cameras have".to_owned(),
+        });
+    }
     for camera in &mut recording.cameras {
         settle_camera(camera, frames, limits)?;
     }
@@ -57,22 +66,8 @@ fn settle_camera(camera: &mut Camera, frames: usize, limits: &Limits) -> Result<
     let name = camera.name.clone();
     let fail = |fault: String| Err(Error::Camera { camera: name.clone(), fault });
     check_size(&camera.name, [camera.width, camera.height], limits)?;
-    let i = camera.intrinsics;
-    if ![i.fx, i.fy].iter().all(|f| f.is_finite() && *f > 1e-3 && *f < 1e7) {
-        return fail(format!("its focal lengths are {} and {} pixels", i.fx, i.fy));
-    }
-    if ![i.cx, i.cy].iter().all(|c| c.is_finite() && c.abs() < 1e7) {
-        return fail(format!("its principal point is ({}, {})", i.cx, i.cy));
-    }
-    let coefficients: &[f64] = match &camera.distortion {
-        Distortion::None => &[],
-        Distortion::BrownConrady(k) => k,
-        Distortion::KannalaBrandt(k) => k,
-    };
-    if !coefficients.iter().all(|k| k.is_finite() && k.abs() < 1e6) {
-        return fail(format!("its distortion is {coefficients:?}"));
-    }
-    // One without a pose is not calibrated, which the report says.
+    check_intrinsics(&camera.name, &camera.intrinsics)?;
+    check_distortion(&camera.name, &camera.distortion)?;
     if camera.poses.len() > 1 && camera.poses.len() != frames {
         return fail(format!(
             "it has {} poses for {frames} frames: one, or one each",
@@ -92,6 +87,32 @@ fn settle_camera(camera: &mut Camera, frames: usize, limits: &Limits) -> Result<
         return fail(format!("one of its times is {t}"));
     }
     Ok(())
+}
+
+/// Refuses a pinhole that no camera has.
+pub(super) fn check_intrinsics(camera: &str, i: &Intrinsics) -> Result<(), Error> {
+    let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });
+    if ![i.fx, i.fy].iter().all(|f| f.is_finite() && *f > 1e-3 && *f < 1e7) {
+        return fail(format!("its focal lengths are {} and {} pixels", i.fx, i.fy));
+    }
+    if ![i.cx, i.cy].iter().all(|c| c.is_finite() && c.abs() < 1e7) {
+        return fail(format!("its principal point is ({}, {})", i.cx, i.cy));
+    }
+    Ok(())
+}
+
+/// Refuses coefficients that are no numbers.
+pub(super) fn check_distortion(camera: &str, distortion: &Distortion) -> Result<(), Error> {
+    let coefficients: &[f64] = match distortion {
+        Distortion::None => &[],
+        Distortion::BrownConrady(k) => k,
+        Distortion::KannalaBrandt(k) => k,
+    };
+    if coefficients.iter().all(|k| k.is_finite() && k.abs() < 1e6) {
+        return Ok(());
+    }
+    let fault = format!("its distortion is {coefficients:?}");
+    Err(Error::Camera { camera: camera.to_owned(), fault })
 }
 
 /// Refuses sizes that no camera has.

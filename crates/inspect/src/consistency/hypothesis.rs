@@ -53,6 +53,12 @@ impl Motion {
     }
 }
 
+impl From<Motion> for Pose {
+    fn from(motion: Motion) -> Self {
+        Self { rotation: motion.rotation, translation: motion.translation }
+    }
+}
+
 /// A supposed calibration for every view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hypothesis(pub(crate) Vec<CameraHypothesis>);

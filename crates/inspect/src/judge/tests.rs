@@ -207,6 +207,26 @@ fn a_camera_that_is_off_is_named_with_its_correction() {
 }
 
 #[test]
+fn the_correction_of_a_camera_that_is_off_ends_the_finding() {
+    let (scene, mut recording) = healthy();
+    let pose = &mut recording.cameras[2].poses[0];
+    *pose = disturbed(pose, 2.0, [0.01, 0.0, 0.0]);
+    let mut recording = filmed(scene, recording);
+    let settings = IngestSettings::default();
+    let look = |recording: &Recording| {
+        inspect(recording, &settings, &CancelToken::default(), &mut |_| {}).unwrap()
+    };
+    let before = look(&recording);
+    assert!(before.has("CAMERA_OFF"));
+    let correction = before.correction(&recording).unwrap();
+    assert_eq!(correction.cameras[0].pose, recording.cameras[0].poses.first().copied());
+    correction.apply(&mut recording).unwrap();
+    let after = look(&recording);
+    assert!(!after.has("CAMERA_OFF") && !after.has("CAMERAS_DISAGREE"), "{:?}", after.findings);
+    assert!(after.correction(&recording).is_none());
+}
+
+#[test]
 fn two_cameras_that_disagree_are_both_named() {
     let (mut scene, mut recording) = healthy();
     scene.moments.truncate(2);

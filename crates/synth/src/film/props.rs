@@ -11,6 +11,10 @@ use crate::{
 /// Half the width of the table, and of one of its tiles [m].
 const TABLE_M: f32 = 0.9;
 const TILES: u32 = 24;
+/// The table's middle along x [m].
+pub(super) const MIDDLE_M: f32 = 0.15;
+/// Height of the table [m]: a little below the ground, so that a body that rests on it is drawn whole.
+pub(super) const TABLE_Z_M: f32 = -0.001;
 /// Segments around a limb.
 const AROUND: u32 = 20;
 
@@ -126,8 +130,7 @@ fn table() -> Prop {
     let mut prop = Prop::default();
     let at = |i: u32| TABLE_M * (2.0 * i as f32 / TILES as f32 - 1.0);
     for row in 0..=TILES {
-        // A little below the ground, so that a body that rests on it is drawn whole.
-        prop.rest.extend((0..=TILES).map(|column| [0.15 + at(column), at(row), -0.001]));
+        prop.rest.extend((0..=TILES).map(|column| [MIDDLE_M + at(column), at(row), TABLE_Z_M]));
     }
     for (row, column) in (0..TILES).flat_map(|r| (0..TILES).map(move |c| (r, c))) {
         let corner = row * (TILES + 1) + column;

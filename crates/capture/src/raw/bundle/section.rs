@@ -42,7 +42,7 @@ pub(super) struct CameraEntry {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct IntrinsicsEntry {
+pub(in crate::raw) struct IntrinsicsEntry {
     fx: f64,
     fy: f64,
     cx: f64,
@@ -51,7 +51,7 @@ pub(super) struct IntrinsicsEntry {
 
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum DistortionEntry {
+pub(in crate::raw) enum DistortionEntry {
     #[default]
     None,
     BrownConrady {
@@ -64,7 +64,7 @@ pub(super) enum DistortionEntry {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PoseEntry {
+pub(in crate::raw) struct PoseEntry {
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
 }
@@ -124,7 +124,7 @@ impl From<Intrinsics> for IntrinsicsEntry {
 
 impl DistortionEntry {
     /// `None` where there are more coefficients than the model has.
-    pub(super) fn read(&self) -> Option<Distortion> {
+    pub(in crate::raw) fn read(&self) -> Option<Distortion> {
         match self {
             Self::None => Some(Distortion::None),
             Self::BrownConrady { coefficients } => Distortion::brown_conrady(coefficients),
