@@ -10,6 +10,7 @@ mod clock;
 mod decode;
 mod encode;
 mod image;
+mod mask_set;
 mod mcap;
 pub(crate) mod nerfstudio;
 mod numbering;
@@ -33,6 +34,7 @@ pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     camera::{Camera, Distortion, Intrinsics, Pose},
     image::{ColorImage, DepthImage, Image, Mask},
+    mask_set::MaskSet,
     nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
 };

@@ -27,7 +27,7 @@ use bendtwin_engine::Backend;
 
 pub use self::{
     error::Error,
-    film::{FilmOptions, Shape, film, film_with},
+    film::{Dyes, FilmOptions, Hands, Shape, film, film_with},
 };
 
 /// Scene that is recorded.

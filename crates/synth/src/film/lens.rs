@@ -91,8 +91,7 @@ impl<'a> Reader<'a> {
 impl Stage {
     /// Draws a frame as a camera sees it.
     pub(super) fn view(&self, camera: usize, frame: usize) -> Option<View> {
-        let (body, pose) = (self.bodies.get(frame)?, self.poses.get(frame)?);
-        let vertices = self.props.posed(body, pose, self.grasp);
+        let vertices = self.props.posed(self.bodies.get(frame)?, &self.actors, frame)?;
         let raster = Raster::draw(self.cameras.get(camera)?, &vertices, &self.props.triangles);
         Some(View { vertices, raster })
     }
@@ -110,8 +109,8 @@ impl Frames for Reader<'_> {
         Ok(self.image(frame, |stage, view, column, row| {
             let Some(hit) = view.raster.get(column as i64, row as i64) else { return [200; 3] };
             let corners = stage.corners(hit.triangle, &stage.props.rest);
-            let color =
-                Props::color(stage.props.thing(hit.triangle), blend(&hit, corners), patch_m);
+            let (thing, rest) = (stage.props.thing(hit.triangle), blend(&hit, corners));
+            let color = Props::color(thing, rest, patch_m, &stage.options.dyes);
             let light = unit([0.3, -0.2, 0.9]);
             let facing = dot(normal_of(stage.corners(hit.triangle, &view.vertices)), light);
             let shade = 0.8 + 0.2 * facing.max(0.0);
@@ -141,7 +140,7 @@ impl Frames for Reader<'_> {
             {
                 return 0.0;
             }
-            let sigma = DEPTH_NOISE * hit.depth_m * hit.depth_m;
+            let sigma = stage.options.noise * DEPTH_NOISE * hit.depth_m * hit.depth_m;
             let measured = hit.depth_m + sigma * normal(seed, [column, row, 0, DEPTH]);
             // Cameras give whole millimetres.
             (measured * 1000.0).round() / 1000.0
