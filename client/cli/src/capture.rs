@@ -5,6 +5,7 @@ mod check;
 mod export;
 mod ingest;
 pub(crate) mod make;
+mod mask;
 pub(crate) mod push;
 mod reading;
 mod report;
@@ -38,6 +39,8 @@ enum Command {
     },
     /// Measure a capture or raw recording and write the report as a page with pictures or as JSON
     Report(report::Arguments),
+    /// Make the masks of object and hands in a raw recording from a few clicks, without a server
+    Mask(Box<mask::Mask>),
     /// Write the images of the object in one frame as a nerfstudio folder, for trainers of Gaussian
     /// splatting, without a server
     Export(export::Export),
@@ -81,6 +84,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Make(args) => make::run(args, global).await,
         Command::Check { path } => check::run(&path, global).await,
         Command::Report(args) => report::run(args, global).await,
+        Command::Mask(args) => mask::run(*args, global).await,
         Command::Export(args) => export::run(args, global).await,
         Command::Push(args) => push::run(*args, global).await,
         Command::List { choice, recorded_by } => {

@@ -181,6 +181,12 @@ pub trait Source: Send + Sync + std::fmt::Debug {
     fn files(&self) -> Vec<String> {
         Vec::new()
     }
+
+    /// Name of the file of a colour image, without folder and extension; `None` if it was not recorded,
+    /// or is no separate file.
+    fn color_stem(&self, _camera: usize, _frame: usize) -> Option<String> {
+        None
+    }
 }
 
 /// Reads the frames of one camera. All images have the size that the camera says; readers refuse

@@ -21,9 +21,13 @@ const SAME_PER_M: f32 = 0.006;
 /// Colours of a standing surface differ by no more in two frames, of 255.
 const SAME_COLOR: f32 = 28.0;
 
+/// Depth of a backdrop that is too far away to be measured, or too dark.
+const VOID: f32 = -1.0;
+
 /// What lies behind everything that moves.
 pub(crate) struct Backdrop {
-    /// Depth [m], 0 where it is not known. Shape [height, width].
+    /// Depth [m], 0 where it is not known, [`VOID`] where it cannot be measured. Shape
+    /// [height, width].
     depths: Vec<f32>,
     colors: Vec<[u8; 3]>,
     /// `true` where the backdrop is known to be neither object nor hand.
@@ -79,35 +83,42 @@ impl Backdrop {
             }
         }
         let mut backdrop = Self::unknown(lens);
-        let mut samples: Vec<(f32, [u8; 3])> = Vec::new();
+        let (mut measured, mut colors) = (Vec::new(), Vec::new());
         for at in 0..n {
-            samples.clear();
-            samples.extend(
-                views
-                    .iter()
-                    .filter(|(depths, _)| depths[at] > 0)
-                    .map(|(depths, colors)| (f32::from(depths[at]) / 1000.0, colors[at])),
-            );
-            if let Some((depth, color)) = farthest(&mut samples) {
-                (backdrop.depths[at], backdrop.colors[at]) = (depth, color);
+            measured.clear();
+            colors.clear();
+            for (of_depth, of_color) in &views {
+                match of_depth[at] {
+                    0 => colors.push(of_color[at]),
+                    mm => measured.push((f32::from(mm) / 1000.0, of_color[at])),
+                }
             }
+            let farthest = farthest(&mut measured);
+            let far = void(&colors).filter(|(count, _)| {
+                farthest.is_none_or(|(support, ..)| *count > support)
+            });
+            (backdrop.depths[at], backdrop.colors[at]) = match (far, farthest) {
+                (Some((_, color)), _) => (VOID, color),
+                (None, Some((_, depth, color))) => (depth, color),
+                (None, None) => continue,
+            };
         }
         Ok(backdrop)
     }
 
-    /// Depth of the backdrop [m], 0 where it is not known.
+    /// Depth of the backdrop [m], 0 where it is not known or cannot be measured.
     pub(crate) fn depth(&self, at: usize) -> f32 {
-        self.depths[at]
+        self.depths[at].max(0.0)
     }
 
     /// Colour of the backdrop, if it is known.
     pub(crate) fn color(&self, at: usize) -> Option<[u8; 3]> {
-        (self.depths[at] > 0.0).then(|| self.colors[at])
+        (self.depths[at] != 0.0).then(|| self.colors[at])
     }
 
     /// Says that the backdrop is neither object nor hand there.
     pub(crate) fn settle(&mut self, at: usize) {
-        self.settled[at] = self.depths[at] > 0.0;
+        self.settled[at] = self.depths[at] != 0.0;
     }
 
     /// Compares a pixel with the backdrop.
@@ -117,7 +128,7 @@ impl Backdrop {
             return Against::Unknown;
         }
         let is_recoloured = color_square(color, self.colors[at]) > SAME_COLOR * SAME_COLOR;
-        let near = depth > 0.0 && depth < behind - same_m(behind);
+        let near = depth > 0.0 && (behind == VOID || depth < behind - same_m(behind));
         match (near, depth > 0.0, is_recoloured) {
             (true, ..) => Against::Before,
             (_, false, true) => Against::Unknown,
@@ -128,9 +139,9 @@ impl Backdrop {
     }
 }
 
-/// The farthest depth that two samples agree on, and the mean colour there; that of the only sample
-/// if there is one.
-fn farthest(samples: &mut [(f32, [u8; 3])]) -> Option<(f32, [u8; 3])> {
+/// The farthest depth that two samples agree on with their number, and the mean colour there; that of
+/// the only sample if there is one.
+fn farthest(samples: &mut [(f32, [u8; 3])]) -> Option<(usize, f32, [u8; 3])> {
     samples.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let agreeing = |first: usize| {
         let depth = samples[first].0;
@@ -140,12 +151,31 @@ fn farthest(samples: &mut [(f32, [u8; 3])]) -> Option<(f32, [u8; 3])> {
     let lone = (!samples.is_empty()).then_some(0..1);
     let range = (0..samples.len()).map(agreeing).find(|range| range.len() > 1).or(lone)?;
     let same = &samples[range];
-    let n = same.len() as f32;
-    let depth = same.iter().map(|s| s.0).sum::<f32>() / n;
-    let color = std::array::from_fn(|k| {
-        (same.iter().map(|s| f32::from(s.1[k])).sum::<f32>() / n).round() as u8
-    });
-    Some((depth, color))
+    let depth = same.iter().map(|s| s.0).sum::<f32>() / same.len() as f32;
+    Some((same.len(), depth, mean(same.iter().map(|s| s.1))))
+}
+
+/// The colour that at least two samples without depth agree on, with their number.
+fn void(colors: &[[u8; 3]]) -> Option<(usize, [u8; 3])> {
+    let alike = |color: [u8; 3]| {
+        let same = colors.iter().filter(move |c| {
+            color_square(**c, color) <= SAME_COLOR * SAME_COLOR
+        });
+        same.copied()
+    };
+    let most = colors.iter().copied().max_by_key(|color| alike(*color).count())?;
+    let count = alike(most).count();
+    (count > 1).then(|| (count, mean(alike(most))))
+}
+
+/// Mean of colours.
+fn mean(colors: impl Iterator<Item = [u8; 3]>) -> [u8; 3] {
+    let (mut sum, mut count) = ([0_u32; 3], 0);
+    for color in colors {
+        (0..3).for_each(|k| sum[k] += u32::from(color[k]));
+        count += 1;
+    }
+    sum.map(|s| (s / count.max(1)) as u8)
 }
 
 #[cfg(test)]
@@ -157,9 +187,16 @@ mod tests {
         let gray = |d: f32| (d, [100; 3]);
         // A hand at 0.5 m, a table at 0.8 m, and one outlier behind it.
         let mut samples = [gray(0.5), gray(0.801), gray(1.9), gray(0.502), gray(0.799)];
-        let (depth, _) = farthest(&mut samples).unwrap();
-        assert!((depth - 0.8).abs() < 1e-3, "{depth}");
-        assert_eq!(farthest(&mut [gray(0.7)]).unwrap().0, 0.7);
+        let (count, depth, _) = farthest(&mut samples).unwrap();
+        assert!(count == 2 && (depth - 0.8).abs() < 1e-3, "{depth}");
+        assert_eq!(farthest(&mut [gray(0.7)]).unwrap().1, 0.7);
         assert_eq!(farthest(&mut []), None);
+    }
+
+    #[test]
+    fn a_colour_that_repeats_without_depth_is_a_void() {
+        assert_eq!(void(&[[200; 3], [10; 3], [202; 3], [90; 3]]), Some((2, [201; 3])));
+        assert_eq!(void(&[[200; 3], [10; 3]]), None);
+        assert_eq!(void(&[]), None);
     }
 }

@@ -158,6 +158,28 @@ impl Cells {
         lengths
     }
 
+    /// `true` for cells that are reached from the seeds over gaps up to about a width [m].
+    pub(crate) fn together(&self, seeds: impl IntoIterator<Item = u32>, gap_m: f32) -> Vec<bool> {
+        let key = |cell: usize| self.cells[cell].place.map(|x| (x / gap_m).floor() as i32);
+        let mut blocks: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
+        for cell in 0..self.cells.len() {
+            blocks.entry(key(cell)).or_default().push(cell as u32);
+        }
+        let mut reached = vec![false; self.cells.len()];
+        let mut queue: Vec<[i32; 3]> = seeds.into_iter().map(|seed| key(seed as usize)).collect();
+        while let Some([x, y, z]) = queue.pop() {
+            let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
+            for [i, j, k] in around {
+                let there = [x + i, y + j, z + k];
+                // A block is visited once.
+                let Some(cells) = blocks.remove(&there) else { continue };
+                cells.iter().for_each(|cell| reached[*cell as usize] = true);
+                queue.push(there);
+            }
+        }
+        reached
+    }
+
     /// Shares that tell nothing, for every cell.
     pub(crate) fn unknown(&self) -> Vec<Shares> {
         vec![UNKNOWN; self.cells.len()]
@@ -211,8 +233,8 @@ mod tests {
         let cells = row(40);
         let mut local = cells.unknown();
         let mut held = vec![0.0; 40];
-        // Not in the middle of either half.
-        for (at, part) in [(1, OBJECT), (24, HAND)] {
+        // Not as far from the middle.
+        for (at, part) in [(8, OBJECT), (34, HAND)] {
             (local[at], held[at]) = (only(part), 1.0);
         }
         let shares = cells.diffuse(&local, &held, 400);
@@ -232,5 +254,7 @@ mod tests {
         assert!((ways[2] - 0.5 * 0.012).abs() < 1e-6, "{ways:?}");
         assert!(ways[3].is_infinite());
         assert!(cells.ways([0], 0.004)[2].is_infinite());
+        assert_eq!(cells.together([0], 0.02), [true; 4]);
+        assert_eq!(cells.together([0], 0.008), [true, true, true, false]);
     }
 }

@@ -1,5 +1,7 @@
 //! Colours of the parts of a scene, as histograms.
 
+use nalgebra::{Matrix3, Vector3};
+
 /// Bins along each of red, green and blue.
 const BINS: usize = 16;
 /// Weights of a bin and of its neighbours: light changes, and a few clicks do not show every shade.
@@ -72,14 +74,37 @@ impl Colors {
         Densities(blurred.iter().map(|c| (UNSEEN + seen * c).ln()).collect())
     }
 
-    /// Share of two histograms that is common, 0..=1 (the Bhattacharyya coefficient).
-    pub(crate) fn overlap(&self, other: &Self) -> f32 {
+    /// Share that two parts have in common by mean and spread of their colours alone, 0..=1 (the
+    /// Bhattacharyya coefficient of normal distributions).
+    pub(crate) fn likeness(&self, other: &Self) -> f32 {
         if self.is_empty() || other.is_empty() {
             return 0.0;
         }
-        let (a, b) = (self.blurred(), other.blurred());
-        let common: f32 = a.iter().zip(&b).map(|(a, b)| (a * b).sqrt()).sum();
-        common / (self.total * other.total).sqrt()
+        let ((mean, spread), (other_mean, other_spread)) = (self.moments(), other.moments());
+        let both = (spread + other_spread) / 2.0;
+        let off = mean - other_mean;
+        let Some(inverse) = both.try_inverse() else { return 0.0 };
+        let apart = off.dot(&(inverse * off)) / 8.0;
+        let sizes = (spread.determinant() * other_spread.determinant()).sqrt();
+        let shapes = 0.5 * (both.determinant() / sizes.max(f64::MIN_POSITIVE)).ln();
+        (-apart - shapes).exp() as f32
+    }
+
+    /// Mean and covariance of the colours, in bins.
+    fn moments(&self) -> (Vector3<f64>, Matrix3<f64>) {
+        let place = |at: usize| {
+            Vector3::from([BINS * BINS, BINS, 1].map(|step| (at / step % BINS) as f64))
+        };
+        let seen = || self.counts.iter().enumerate().filter(|(_, count)| **count > 0.0);
+        let total = f64::from(self.total);
+        let mean = seen().map(|(at, n)| place(at) * f64::from(*n)).sum::<Vector3<f64>>() / total;
+        // A bin is as wide as its colours differ at least.
+        let mut spread = Matrix3::identity() / 12.0;
+        for (at, count) in seen() {
+            let off = place(at) - mean;
+            spread += off * off.transpose() * (f64::from(*count) / total);
+        }
+        (mean, spread)
     }
 
     fn blurred(&self) -> Vec<f32> {
@@ -117,7 +142,7 @@ mod tests {
         let (r, b) = (red.densities(), blue.densities());
         let at = bin([204, 42, 38]);
         assert!(r.of(at) > 3.0 && b.of(at) < -3.0);
-        assert!(red.overlap(&blue) < 0.01 && red.overlap(&red) > 0.99);
+        assert!(red.likeness(&blue) < 0.01 && red.likeness(&red) > 0.99);
         assert_eq!(Colors::default().densities().of(at), 0.0);
         let mass: f32 = red.blurred().iter().sum();
         assert!((mass - red.total()).abs() < 1e-2);

@@ -7,8 +7,9 @@ use crate::{
     part::{BACKGROUND, HAND, OBJECT},
 };
 
-/// Share of colours in common from which two parts look alike.
-const ALIKE: f32 = 0.8;
+/// Share of colours in common from which two parts look alike. Made recordings whose parts can be told
+/// apart have at most 0.3, those with one colour for both from 0.5.
+const ALIKE: f32 = 0.45;
 /// Doubt from which an image is doubtful.
 const DOUBTFUL: f32 = 0.25;
 /// Share of a camera's images that may be doubtful without a finding.
@@ -21,7 +22,7 @@ const GUIDE: &str = "docs/use/cameras.md#masks";
 pub(crate) fn alike(looks: &Looks, has_hand: bool, touching: bool, on_table: bool) -> Vec<Finding> {
     let mut findings = Vec::new();
     if has_hand {
-        let common = f64::from(looks.overlap(OBJECT, HAND));
+        let common = f64::from(looks.likeness(OBJECT, HAND));
         if common > f64::from(ALIKE) && touching {
             let message = format!(
                 "object and hand look alike and touch: {:.0} % of their colours are the same, so that their border is a guess",
@@ -41,7 +42,7 @@ pub(crate) fn alike(looks: &Looks, has_hand: bool, touching: bool, on_table: boo
         let advice = format!("click on what moves the object ({GUIDE})");
         findings.push(Finding { advice, ..Finding::warning("HAND_NOT_MARKED", message) });
     }
-    let common = f64::from(looks.overlap(OBJECT, BACKGROUND));
+    let common = f64::from(looks.likeness(OBJECT, BACKGROUND));
     if common > f64::from(ALIKE) && on_table {
         let message = format!(
             "the object looks like the table on which it lies: {:.0} % of their colours are the same, so that its rim \

@@ -9,7 +9,7 @@ use crate::{
     cells::{Cells, NONE},
     colors::{Colors, bin},
     looks::Looks,
-    part::{BACKGROUND, HAND, OBJECT, PARTS, Shares, UNKNOWN, certainty, only, shares},
+    part::{BACKGROUND, HAND, OBJECT, PARTS, Shares, UNKNOWN, certainty, likeliest, only, shares},
     scene::Shot,
 };
 
@@ -40,8 +40,18 @@ const NOT_FOUND: f32 = 0.3;
 const CORRECTED_M: f32 = 0.04;
 /// Weight of a later stroke where it lies.
 const CORRECTION: f32 = 4.0;
-/// Evidence for the background of what is connected to nothing that was object or hand.
+/// Evidence for the background of what is connected to nothing that was object or hand: of what has come
+/// in front of the backdrop, and of what stands there, however alike it looks.
 const APART: f32 = 1.5;
+const STANDS_APART: f32 = 8.0;
+/// Mean evidence for the background below which a thing has come.
+const COME: f32 = -1.0;
+/// Cells that are too few for a thing.
+const FEW_CELLS: usize = 12;
+/// Share of object and hand from which a cell was one of them; where nothing is known it is 2/3.
+const ATTACHED: f32 = 0.75;
+/// Gaps that do not set things apart in the first frame: a hand hides what is behind it [m].
+const GAP_M: f32 = 0.03;
 
 /// Cells of a labelled frame, to find them again in the next.
 pub(crate) struct Labelled {
@@ -118,6 +128,8 @@ pub(crate) fn begin(shot: &Shot, looks: &Looks, seeds: &Seeds, round: usize) -> 
     let ways: [Vec<f32>; PARTS] =
         std::array::from_fn(|part| shot.cells.ways(seeds[part].iter().copied(), MOST_WAY_M));
     let colors = shot.color_logs(looks);
+    let marked = [OBJECT, HAND].into_iter().flat_map(|part| &seeds[part]);
+    let together = shot.cells.together(marked.copied(), GAP_M);
     let local = (0..shot.cells.len()).map(|i| {
         let mut logs = colors[i];
         logs[BACKGROUND] += shot.cells.cells[i].backdrop;
@@ -126,8 +138,8 @@ pub(crate) fn begin(shot: &Shot, looks: &Looks, seeds: &Seeds, round: usize) -> 
         }
         // Near a stroke on the background it is as near as others, elsewhere somewhat far.
         logs[BACKGROUND] -= weight * ways[BACKGROUND][i].min(0.5 * MOST_WAY_M) / WAY_M;
-        if ways[OBJECT][i].is_infinite() && ways[HAND][i].is_infinite() {
-            logs[BACKGROUND] += APART;
+        if !together[i] {
+            logs[BACKGROUND] += STANDS_APART;
         }
         shares(logs)
     });
@@ -160,8 +172,7 @@ pub(crate) fn follow(shot: &Shot, looks: &Looks, before: &Labelled, seeds: &Seed
     let colors = shot.color_logs(looks);
     let ways: [Vec<f32>; PARTS] =
         std::array::from_fn(|part| shot.cells.ways(seeds[part].iter().copied(), 3.0 * CORRECTED_M));
-    let attached = attached(&shot.cells, &known);
-    let local = (0..shot.cells.len()).map(|i| {
+    let logs = |i: usize| {
         let mut logs = colors[i];
         logs[BACKGROUND] += shot.cells.cells[i].backdrop;
         let near: [f32; PARTS] =
@@ -171,26 +182,52 @@ pub(crate) fn follow(shot: &Shot, looks: &Looks, before: &Labelled, seeds: &Seed
             logs[k] += (1.0 - corrected) * BEFORE_WEIGHT * (known[i][k] + 0.02).ln();
             logs[k] += CORRECTION * near[k];
         }
-        if !attached[i] {
-            logs[BACKGROUND] += APART;
-        }
-        shares(logs)
-    });
-    walk(shot, local.collect(), seeds)
+        logs
+    };
+    let mut local: Vec<Shares> = (0..shot.cells.len()).map(logs).collect();
+    let apart = apart(&shot.cells, &known, |i| likeliest(&local[i]) != BACKGROUND);
+    for (logs, apart) in local.iter_mut().zip(apart) {
+        logs[BACKGROUND] += apart;
+        *logs = shares(*logs);
+    }
+    walk(shot, local, seeds)
 }
 
-/// `true` for cells that are connected to one that was object or hand.
-fn attached(cells: &Cells, known: &[Shares]) -> Vec<bool> {
-    let mut attached: Vec<bool> = known.iter().map(|k| k[OBJECT] + k[HAND] > 0.6).collect();
-    let mut queue: Vec<usize> = (0..attached.len()).filter(|i| attached[*i]).collect();
-    while let Some(cell) = queue.pop() {
-        for (other, _) in cells.links(cell) {
-            if !std::mem::replace(&mut attached[*other as usize], true) {
-                queue.push(*other as usize);
+/// Evidence for the background of cells of things that were neither object nor hand: little of a thing
+/// that is mostly in front of the backdrop and so has come, much of one that stands there, and none of
+/// one that was object or hand. Things are connected cells for which `is_thing` holds.
+fn apart(cells: &Cells, known: &[Shares], is_thing: impl Fn(usize) -> bool) -> Vec<f32> {
+    let mut evidence: Vec<Option<f32>> = vec![None; cells.len()];
+    for start in 0..cells.len() {
+        if evidence[start].is_some() || !is_thing(start) {
+            continue;
+        }
+        evidence[start] = Some(0.0);
+        let mut thing = vec![start];
+        let mut next = 0;
+        while let Some(&cell) = thing.get(next) {
+            next += 1;
+            for (other, _) in cells.links(cell) {
+                let other = *other as usize;
+                if is_thing(other) && evidence[other].replace(0.0).is_none() {
+                    thing.push(other);
+                }
             }
         }
+        let were = thing.iter().filter(|i| known[**i][OBJECT] + known[**i][HAND] > ATTACHED);
+        // A few cells that were labelled by mistake do not carry a whole thing with them.
+        if were.count() >= FEW_CELLS.min(thing.len().div_ceil(4)) {
+            continue;
+        }
+        let [sum, count] = thing.iter().fold([0.0; 2], |[sum, count], cell| {
+            let cell = &cells.cells[*cell];
+            [sum + cell.count * cell.backdrop, count + cell.count]
+        });
+        let has_come = thing.len() >= FEW_CELLS && sum < COME * count;
+        let of_thing = if has_come { APART } else { STANDS_APART };
+        thing.iter().for_each(|cell| evidence[*cell] = Some(of_thing));
     }
-    attached
+    evidence.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 fn walk(shot: &Shot, mut local: Vec<Shares>, seeds: &Seeds) -> Vec<Shares> {

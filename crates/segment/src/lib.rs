@@ -29,8 +29,12 @@ mod scene;
 mod table;
 mod view;
 
+#[cfg(test)]
+mod tests;
+
 use bendtwin_capture::raw::{MaskSet, Recording};
 use bendtwin_core::{CancelToken, Finding, settings::ingest::Stroke};
+use serde_json::{Value, json};
 
 pub use self::error::Error;
 
@@ -44,6 +48,15 @@ pub struct Segmented {
     pub doubt: Vec<Vec<Option<f32>>>,
     /// What could not be used, or not be told apart.
     pub findings: Vec<Finding>,
+}
+
+impl Segmented {
+    /// The document that goes with the masks in an archive, as `mask/following.json`: the strokes, and
+    /// the doubt of each camera's frames.
+    pub fn document(&self, strokes: &[Stroke]) -> Value {
+        let cameras = self.doubt.iter().map(|doubt| json!({ "doubt": doubt }));
+        json!({ "strokes": strokes, "cameras": cameras.collect::<Vec<_>>() })
+    }
 }
 
 /// Makes masks from strokes. `progress` is called after each frame with the share of the work that is

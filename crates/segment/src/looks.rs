@@ -86,8 +86,8 @@ impl Looks {
         logs
     }
 
-    /// Share of the colours that two parts have in common, 0..=1.
-    pub(crate) fn overlap(&self, a: usize, b: usize) -> f32 {
-        self.anchors[a].overlap(&self.anchors[b])
+    /// Share that two parts have in common by mean and spread of their colours alone, 0..=1.
+    pub(crate) fn likeness(&self, a: usize, b: usize) -> f32 {
+        self.anchors[a].likeness(&self.anchors[b])
     }
 }

@@ -63,12 +63,6 @@ impl<'a> Lens<'a> {
         self.rays.len()
     }
 
-    /// Width of a pixel of the view at a depth [m].
-    pub(crate) fn pixel_m(&self, depth_m: f32) -> f32 {
-        let focal = self.camera.intrinsics.fx.min(self.camera.intrinsics.fy).abs().max(1.0);
-        depth_m * self.stride as f32 / focal as f32
-    }
-
     /// Points of the world at pixels with their depths, for one frame.
     pub(crate) fn places(&self, frame: usize) -> impl Fn(usize, f32) -> Point + '_ {
         let pose = self.camera.pose(frame);

@@ -150,32 +150,32 @@ impl MaskSet {
     }
 
     /// Hands every mask as PNG to `put`, in the layout of a raw PhysTwin case, with its name inside
-    /// the case: `mask/0/object/0.png` and `mask/0/hand/0.png` of camera 0 and so on, and
-    /// `mask/mask_info_0.json`. `first` is the number of frame 0.
+    /// the case: `mask/0/object/{stem}.png` and `mask/0/hand/{stem}.png` of camera 0 and so on, and
+    /// `mask/mask_info_0.json`. `stem` names a frame of a camera.
     ///
     /// # Errors
     /// Those of `put`, or if an image has no pixels.
     pub fn export(
         &self,
-        first: u64,
+        stem: impl Fn(usize, usize) -> String,
         mut put: impl FnMut(&str, Vec<u8>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         for (camera, masks) in self.cameras.iter().enumerate() {
             let info = json!({ "object": "object", "hand": "hand" });
             put(&format!("mask/mask_info_{camera}.json"), info.to_string().into_bytes())?;
             for frame in 0..masks.frames.len() {
-                let number = first + frame as u64;
                 for (folder, region) in FOLDERS {
                     let Some(mask) = self.mask(camera, frame, region) else { continue };
-                    put(&format!("mask/{camera}/{folder}/{number}.png"), encode::mask(&mask)?)?;
+                    let name = format!("mask/{camera}/{folder}/{}.png", stem(camera, frame));
+                    put(&name, encode::mask(&mask)?)?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Writes the masks as a ZIP archive in that layout, frame 0 as number 0, with further files
-    /// given by their names and contents.
+    /// Writes the masks as a ZIP archive in that layout, each named by the number of its frame, with
+    /// further files given by their names and contents.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -192,7 +192,7 @@ impl MaskSet {
             zip.start_file(name, options).map_err(packed)?;
             zip.write_all(&bytes).map_err(io)
         };
-        self.export(0, &mut put)?;
+        self.export(|_, frame| frame.to_string(), &mut put)?;
         for (name, bytes) in others {
             put(name, bytes.clone())?;
         }
@@ -302,6 +302,10 @@ impl Source for Masked {
 
     fn files(&self) -> Vec<String> {
         self.source.files()
+    }
+
+    fn color_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        self.source.color_stem(camera, frame)
     }
 }
 

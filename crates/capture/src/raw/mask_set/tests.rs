@@ -43,6 +43,7 @@ fn a_recording_has_the_masks_that_it_is_given() {
     let given = recording.clone().with_masks(Arc::new(other.clone()));
     assert_eq!(MaskSet::of(&given).unwrap(), other);
     assert_eq!(given.source.files(), recording.source.files());
+    assert_eq!(given.usable().source.color_stem(1, 2).as_deref(), Some("2"));
     let color = |r: &Recording| r.source.frames(0).unwrap().color(0).unwrap();
     assert_eq!(color(&given), color(&recording));
 }
