@@ -12,6 +12,7 @@ mod decode;
 mod encode;
 mod gripper;
 mod image;
+mod mask_set;
 mod mcap;
 pub(crate) mod nerfstudio;
 mod numbering;
@@ -38,6 +39,7 @@ pub use self::{
     camera::{Camera, Distortion, Intrinsics, Pose},
     gripper::{Gripper, Pad},
     image::{ColorImage, DepthImage, Image, Mask},
+    mask_set::MaskSet,
     nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
     supplement::Supplements,
@@ -199,6 +201,12 @@ pub trait Source: Send + Sync + std::fmt::Debug {
     /// not separate files.
     fn files(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Name of the file of a colour image, without folder and extension; `None` if it was not recorded,
+    /// or is no separate file.
+    fn color_stem(&self, _camera: usize, _frame: usize) -> Option<String> {
+        None
     }
 }
 

@@ -28,7 +28,7 @@ use bendtwin_engine::Backend;
 
 pub use self::{
     error::Error,
-    film::{FilmOptions, Shape, film, film_with},
+    film::{Dyes, FilmOptions, Hands, Shape, film, film_with},
     sheet::{Sheet, SheetFilm, film_sheet},
 };
 

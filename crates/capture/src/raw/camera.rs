@@ -60,26 +60,6 @@ pub struct Pose {
     pub translation: [f64; 3],
 }
 
-impl Pose {
-    /// The pose of a camera at the origin that looks along z.
-    pub const IDENTITY: Self = Self {
-        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.0; 3],
-    };
-
-    /// From a quaternion x, y, z, w of any length; not a number if it has none.
-    pub(super) fn from_quaternion(quaternion: [f64; 4], translation: [f64; 3]) -> Self {
-        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
-        let [x, y, z, w] = quaternion.map(|q| q / length);
-        let rotation = [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-        ];
-        Self { rotation, translation }
-    }
-}
-
 impl Camera {
     /// The pixel at which a point of the world appears, as column and row, and its depth along the
     /// optical axis [m]. `None` behind the camera. It may lie outside the image.
@@ -184,6 +164,18 @@ impl Pose {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
     };
+
+    /// From a quaternion x, y, z, w of any length; not a number if it has none.
+    pub(super) fn from_quaternion(quaternion: [f64; 4], translation: [f64; 3]) -> Self {
+        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let [x, y, z, w] = quaternion.map(|q| q / length);
+        let rotation = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        Self { rotation, translation }
+    }
 
     /// The motion that does `first`, then this.
     #[must_use]

@@ -151,6 +151,12 @@ impl Source for StoredFrames {
         let there = names.iter().filter(|name| self.files.has(name));
         there.map(|name| self.files.full_name(name)).collect()
     }
+
+    fn color_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        let name = self.cameras.get(camera)?.color.at(frame)?;
+        let file = name.rsplit('/').next().unwrap_or(&name);
+        Some(file.rsplit_once('.').map_or(file, |(stem, _)| stem).to_owned())
+    }
 }
 
 /// A file's name and content.

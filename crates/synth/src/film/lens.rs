@@ -95,8 +95,7 @@ impl<'a> Reader<'a> {
 impl Stage {
     /// Draws a frame as a camera sees it.
     pub(super) fn view(&self, camera: usize, frame: usize) -> Option<View> {
-        let (body, pose) = (self.bodies.get(frame)?, self.poses.get(frame)?);
-        let vertices = self.props.posed(body, pose, self.grasp);
+        let vertices = self.props.posed(self.bodies.get(frame)?, &self.actors, frame)?;
         let raster = Raster::draw(self.cameras.get(camera)?, &vertices, &self.props.triangles);
         Some(View { vertices, raster })
     }
@@ -114,9 +113,8 @@ impl Frames for Reader<'_> {
         Ok(self.image(frame, |stage, view, column, row| {
             let Some(hit) = view.raster.get(column as i64, row as i64) else { return [200; 3] };
             let corners = stage.corners(hit.triangle, &stage.props.rest);
-            let thing = stage.props.thing(hit.triangle);
-            let rest = blend(&hit, corners);
-            let mut color = Props::color(thing, rest, patch_m);
+            let (thing, rest) = (stage.props.thing(hit.triangle), blend(&hit, corners));
+            let mut color = Props::color(thing, rest, patch_m, &stage.options.dyes);
             if let Some(sheet) = stage.options.sheet.as_ref().filter(|_| thing == Thing::Table) {
                 color = printed(sheet, camera, frame, [column, row], color);
             }
@@ -149,7 +147,7 @@ impl Frames for Reader<'_> {
             {
                 return 0.0;
             }
-            let sigma = DEPTH_NOISE * hit.depth_m * hit.depth_m;
+            let sigma = stage.options.noise * DEPTH_NOISE * hit.depth_m * hit.depth_m;
             let measured = hit.depth_m + sigma * normal(seed, [column, row, 0, DEPTH]);
             // Cameras give whole millimetres.
             (measured * 1000.0).round() / 1000.0
