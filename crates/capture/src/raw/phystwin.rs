@@ -6,12 +6,11 @@ mod labels;
 mod masks;
 mod writer;
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::sync::Arc;
 
 use bendtwin_core::{Environment, Finding};
 use serde::Deserialize;
 
-use self::{labels::Labels, masks::Masks};
 use super::{
     Alignment, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
     decode::DepthUnit,
@@ -66,19 +65,24 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     let images = images(&mut files, &cameras)?;
     let numbering = numbering(&images, metadata.frame_num, &files.limits)?;
     let frame_count = numbering.frame_count;
-    let masks = masks::find(&mut files, cameras.len())?;
-    let all = masks.iter().flat_map(Masks::labels).map(str::to_owned).collect::<BTreeSet<_>>();
-    let labels = Labels::sort(&all, &metadata.object_labels)?;
-    let mut notes: Vec<Finding> = numbering.note().into_iter().chain(labels.note()).collect();
+    let mut notes: Vec<Finding> = numbering.note().into_iter().collect();
+    let mut sources = Sources::default();
+    let colors: Vec<&Images> = images.iter().map(|[color, _]| color).collect();
+    let masks = masks::find(&mut files, &cameras, frame_count)?.sort(
+        &metadata.object_labels,
+        &cameras,
+        &|_| numbering,
+        &colors,
+        &mut notes,
+        &mut sources,
+    )?;
     let unit = depth_unit(metadata.depth_unit_m)?;
     let mut stored = Vec::with_capacity(cameras.len());
-    let mut sources = Sources::default();
     for (index, ([color, depth], masks)) in images.into_iter().zip(masks).enumerate() {
-        notes.extend(masks.note(index));
         for (part, kind) in [("colour", "color"), ("depth", "depth")] {
             sources.take(part, Some(&cameras[index].name), format!("{kind}/{index}"), "");
         }
-        let [object, manipulator] = masks.names(&labels, numbering, &color)?;
+        let [object, manipulator] = masks;
         stored.push(CameraFiles {
             size: metadata.size,
             color: color.names(numbering),
