@@ -125,7 +125,7 @@ impl<'a> Files<'a> {
         let is_gzip = start.starts_with(other::GZIP);
         if is_gzip {
             // What is no archive need not be unpacked to its end.
-            let inside = tar::first(storage.clone(), MAGIC);
+            let inside = tar::first(storage.clone(), MAGIC)?;
             if !tar::is_tar(&inside) {
                 return Err(other::gzip(at, &inside));
             }

@@ -3,7 +3,7 @@
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
 //! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`splats`], [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
+//! [`splats`], [`documents`], [`masks`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
 //! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
 
@@ -12,6 +12,7 @@ pub mod arrays;
 pub mod damage;
 pub mod documents;
 pub mod images;
+pub mod masks;
 pub mod meshes;
 pub mod pickles;
 pub mod recordings;
@@ -58,6 +59,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", images::IN_CAPTURES),
         named("zip", meshes::IN_CAPTURES),
         named("zip", documents::IN_CAPTURES),
+        named("zip", masks::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
     ]
     .concat();

@@ -127,11 +127,11 @@ pub(super) fn read(
     read_capped(name, storage.take(member.size), member.size, cap, budget)
 }
 
-/// The first bytes of what is compressed with gzip, at most `count`; as many as can be unpacked.
-pub(super) fn first(storage: Storage<'_>, count: u64) -> Vec<u8> {
+/// The first bytes of what is compressed with gzip, at most `count`.
+pub(super) fn first(storage: Storage<'_>, count: u64) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
-    let _ = MultiGzDecoder::new(storage).take(count).read_to_end(&mut bytes);
-    bytes
+    let read = MultiGzDecoder::new(storage).take(count).read_to_end(&mut bytes);
+    read.map_err(|e| damaged(&e)).map(|_| bytes)
 }
 
 /// Unpacks gzip in memory, and takes what that needs from the limits of all that follows.

@@ -135,6 +135,21 @@ impl Images {
         Some(finding.cameras([camera]))
     }
 
+    /// `true` if there is an image of this number.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.by_number.contains_key(&number)
+    }
+
+    /// Gives images other numbers and leaves out those that get none; images none of which gets one
+    /// stay as they are.
+    pub(super) fn renumber(&mut self, numbers: &BTreeMap<u64, u64>) {
+        if self.by_number.keys().any(|number| numbers.contains_key(number)) {
+            let all = std::mem::take(&mut self.by_number).into_iter();
+            self.by_number =
+                all.filter_map(|(number, name)| Some((*numbers.get(&number)?, name))).collect();
+        }
+    }
+
     /// Names in the order of their numbers.
     pub(super) fn in_order(&self) -> impl ExactSizeIterator<Item = &str> {
         self.by_number.values().map(String::as_str)

@@ -4,6 +4,7 @@
 
 mod labels;
 mod masks;
+mod recording;
 mod writer;
 
 use std::sync::Arc;
@@ -51,6 +52,8 @@ struct Metadata {
     depth_unit_m: Option<f64>,
     #[serde(default)]
     object_labels: Vec<String>,
+    /// Times of images where PhysTwin's alignment did not run yet.
+    recording: Option<recording::Times>,
 }
 
 /// Reads the case at the root of `files`, but none of its frames.
@@ -61,14 +64,25 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
     })?;
     validity::count(metadata.intrinsics.len(), metadata.frame_num.unwrap_or(1), &files.limits)?;
-    let cameras = cameras(&mut files, &metadata, &frame)?;
-    let images = images(&mut files, &cameras)?;
+    let mut cameras = cameras(&mut files, &metadata, &frame)?;
+    let mut images = images(&mut files, &cameras)?;
+    let aligned = match &metadata.recording {
+        Some(times) if metadata.frame_num.is_none() => {
+            Some(recording::align(times, &mut images, &mut cameras, &files.limits)?)
+        }
+        _ => None,
+    };
     let numbering = numbering(&images, metadata.frame_num, &files.limits)?;
     let frame_count = numbering.frame_count;
     let mut notes: Vec<Finding> = numbering.note().into_iter().collect();
     let mut sources = Sources::default();
     let colors: Vec<&Images> = images.iter().map(|[color, _]| color).collect();
-    let masks = masks::find(&mut files, &cameras, frame_count)?.sort(
+    let mut masks = masks::find(&mut files, &cameras, frame_count)?;
+    if let Some((frames, note)) = aligned {
+        masks.renumber(&frames);
+        notes.push(note);
+    }
+    let masks = masks.sort(
         &metadata.object_labels,
         &cameras,
         &|_| numbering,

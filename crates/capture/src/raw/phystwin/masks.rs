@@ -116,7 +116,10 @@ fn unnamed(
         format!("\"{label}\": \"{}\"", if place == 0 { "object" } else { "hand" })
     };
     let example: Vec<String> = labels.iter().take(4).enumerate().map(example).collect();
-    let at = parts.first().map_or("mask", |part| part.at.as_str());
+    let at = parts.first().map_or("mask", |part| match part.at.rsplit_once('/') {
+        Some((above, _)) if !part.is_one_of => above,
+        _ => part.at.as_str(),
+    });
     let folder = rig.folder();
     Error::MaskLabels(format!(
         "the masks in `{at}` have the labels {}, and nothing says what they show: write `{folder}labels.json`, as in \
@@ -162,6 +165,22 @@ impl parts::CameraParts {
 }
 
 impl Found {
+    /// `true` if no camera has masks.
+    fn is_empty(&self) -> bool {
+        self.cameras.iter().all(|masks| masks.parts.is_empty())
+    }
+
+    /// Gives the masks of each camera the numbers of common frames.
+    pub(super) fn renumber(&mut self, frames: &[BTreeMap<u64, u64>]) {
+        for (masks, frames) in self.cameras.iter_mut().zip(frames) {
+            for (_, part) in &mut masks.parts {
+                if let parts::Stored::Images(images) = &mut part.stored {
+                    images.renumber(frames);
+                }
+            }
+        }
+    }
+
     /// Sorts the masks into regions and adds what was understood of them. `chosen` are the labels
     /// that are declared to be the object, `numbering` is that of a camera's images `color`.
     ///

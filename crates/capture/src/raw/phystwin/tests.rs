@@ -1,4 +1,6 @@
+mod recordings;
 mod spellings;
+mod tools;
 
 use super::*;
 use crate::{

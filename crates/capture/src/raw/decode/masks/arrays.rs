@@ -44,7 +44,10 @@ fn of_files(at: &str, files: &mut Files<'_>, expected: Expected) -> Result<Vec<L
     let most = MAX_PARTS.max(expected.frames) + IDS.len();
     at_most("arrays of an archive of masks", stems.len(), most)?;
     let is_ids = |stem: &String| IDS.contains(&stem.to_ascii_lowercase().as_str());
-    let (ids, masks): (Vec<String>, Vec<String>) = stems.into_iter().partition(is_ids);
+    let (mut ids, mut masks): (Vec<String>, Vec<String>) = stems.into_iter().partition(is_ids);
+    if masks.is_empty() {
+        std::mem::swap(&mut ids, &mut masks);
+    }
     let ids = match ids.first().filter(|_| masks.len() == 1) {
         Some(stem) => {
             let bytes = files.read(&format!("{stem}.npy"))?;

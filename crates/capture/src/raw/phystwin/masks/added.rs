@@ -33,19 +33,16 @@ impl Recording {
     /// If there are none, they are damaged, or nothing says what their labels show.
     pub fn with_mask_files(mut self, path: &Path, limits: &Limits) -> Result<Self, Error> {
         let mut files = Files::open(path, limits)?;
+        let mut found = find(&mut files, &self.cameras, self.frame_count)?;
         // An archive may have one folder around all.
-        let root = files.list("");
-        if let ([only], []) = (root.folders.as_slice(), root.files.as_slice())
-            && !["mask", "masks"].contains(&only.as_str())
-            && self.cameras.len() > 1
-        {
+        if let ([only], true) = (files.list("").folders.as_slice(), found.is_empty()) {
             files = files.part(only);
+            found = find(&mut files, &self.cameras, self.frame_count)?;
         }
-        let found = find(&mut files, &self.cameras, self.frame_count)?;
-        let parts = || found.cameras.iter().flat_map(|masks| masks.parts.iter().map(|(_, p)| p));
-        if parts().next().is_none() {
+        if found.is_empty() {
             return Err(Error::NoMasks { there: files.describe("") });
         }
+        let parts = || found.cameras.iter().flat_map(|masks| masks.parts.iter().map(|(_, p)| p));
         let images: Vec<&Images> = parts()
             .filter_map(|part| match &part.stored {
                 Stored::Images(images) => Some(images),
