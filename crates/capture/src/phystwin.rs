@@ -216,16 +216,13 @@ pub(crate) fn json<'de, T: Deserialize<'de>>(bytes: &'de [u8], at: &str) -> Resu
     let fault = |fault: String| Error::Document { at: at.to_owned(), fault };
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let document = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let field = error.path().to_string();
-        // Of a document that is cut off the place counts.
-        match error.inner() {
-            inner if field == "." || !inner.is_data() => fault(inner.to_string()),
-            inner => {
-                let text = inner.to_string();
-                let what = text.rsplit_once(" at line ").map_or(text.as_str(), |(what, _)| what);
-                fault(format!("`{field}`: {what}"))
-            }
+        let (field, text) = (error.path().to_string(), error.inner().to_string());
+        // The place counts only where the text itself is broken.
+        if !error.inner().is_data() {
+            return fault(text);
         }
+        let what = text.rsplit_once(" at line ").map_or(text.as_str(), |(what, _)| what);
+        fault(if field == "." { what.to_owned() } else { format!("`{field}`: {what}") })
     })?;
     reader.end().map_err(|error| fault(error.to_string()))?;
     Ok(document)

@@ -109,8 +109,7 @@ pub fn all() -> Vec<Broken> {
 }
 
 /// What Git leaves of a file that was not fetched.
-const POINTER: &[u8] =
-    b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
 
 fn descriptions() -> Vec<Broken> {
     let case = |name, reason, change| broken(name, Refused(reason), Make::Case(change));

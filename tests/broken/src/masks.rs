@@ -37,7 +37,9 @@ pub fn all() -> Vec<Broken> {
             });
         }),
         case("masks of the first images alone", Found("MASKS_NOT_FOLLOWED"), |f| {
-            f.retain(|name, _| !name.starts_with("mask/") || name.ends_with("/0.png") || name.ends_with("json"));
+            f.retain(|name, _| {
+                !name.starts_with("mask/") || name.ends_with("/0.png") || name.ends_with("json")
+            });
         }),
         case("masks in run lengths that are cut off", Refused("INVALID_DOCUMENT"), |f| {
             f.retain(|name, _| !name.starts_with("mask/"));
@@ -47,10 +49,7 @@ pub fn all() -> Vec<Broken> {
 }
 
 /// Other files for the masks of object (0) and hand (1), by camera, thing and frame.
-fn replace(
-    files: &mut FileMap,
-    file: impl Fn(usize, usize, usize, &Mask) -> (String, Vec<u8>),
-) {
+fn replace(files: &mut FileMap, file: impl Fn(usize, usize, usize, &Mask) -> (String, Vec<u8>)) {
     let mut more = FileMap::new();
     for (name, bytes) in files.iter() {
         let parts: Vec<&str> = name.split('/').collect();
@@ -78,7 +77,7 @@ fn labelled(files: &mut FileMap) {
         shown.for_each(|(pixel, _)| *pixel = [value; 3]);
     }
     files.retain(|name, _| !name.starts_with("mask/"));
-    files.extend(images.iter().map(|(name, image)| {
-        (name.clone(), image.encode().expect("it has pixels"))
-    }));
+    files.extend(
+        images.iter().map(|(name, image)| (name.clone(), image.encode().expect("it has pixels"))),
+    );
 }

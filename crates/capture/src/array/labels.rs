@@ -55,8 +55,7 @@ impl Labels<'_, '_> {
                     Meaning::Logits => u32::from(x > 0.0),
                 };
             }
-            let signed =
-                matches!(array.dtype, Dtype::I8 | Dtype::I16 | Dtype::I32 | Dtype::I64);
+            let signed = matches!(array.dtype, Dtype::I8 | Dtype::I16 | Dtype::I32 | Dtype::I64);
             let shift = 64 - 8 * size as u32;
             let raw = bits(bytes);
             let value = if signed {

@@ -187,9 +187,15 @@ pub(super) fn disguised(name: &str, bytes: &[u8]) -> Option<Error> {
 /// The error for gzip of something that is no tar archive, by the first bytes of what is inside.
 pub(super) fn gzip(name: &str, inside: &[u8]) -> Error {
     let advice = match inside {
-        [0x89, b'M', b'C', b'A', b'P', ..] => "it is an MCAP file inside: unpack it with `gunzip FILE`, and send that",
-        [b'P', b'K', ..] => "it is a ZIP archive inside: unpack it with `gunzip FILE`, and send that",
-        _ => "unpack it with `gunzip FILE`, and send what comes out of it; or send the folder, a .zip, a .tar or a .tar.gz",
+        [0x89, b'M', b'C', b'A', b'P', ..] => {
+            "it is an MCAP file inside: unpack it with `gunzip FILE`, and send that"
+        }
+        [b'P', b'K', ..] => {
+            "it is a ZIP archive inside: unpack it with `gunzip FILE`, and send that"
+        }
+        _ => {
+            "unpack it with `gunzip FILE`, and send what comes out of it; or send the folder, a .zip, a .tar or a .tar.gz"
+        }
     };
     error(name, &Other { what: "compressed with gzip, but no tar archive", advice })
 }

@@ -311,8 +311,8 @@ fn formats_to_convert_are_recognized_by_their_content() {
         (realsense, "RealSense", "rs.align(rs.stream.color)"),
         (b"SQLite format 3\0 and more".to_vec(), "ROS 2", "mcap convert x recording.mcap"),
         (video, "video", "ffmpeg -i x "),
-        (b"7z\xbc\xaf\x27\x1c\0\0".to_vec(), "another kind", "unpack it"),
-        (b"BZh91AY".to_vec(), "another kind", ".tar.gz"),
+        (b"7z\xbc\xaf\x27\x1c\0\0".to_vec(), "7z archive", "`7z x x`"),
+        (b"BZh91AY".to_vec(), "bzip2", "`bunzip2 x`"),
     ] {
         let error = read_bytes("x", &bytes, &Limits::default()).unwrap_err();
         let text = error.to_string();

@@ -157,7 +157,11 @@ impl<'a, 'b> Machine<'a, 'b> {
             b'a' | b'e' | b's' | b'u' => self.add(opcode),
             // PUT, GET, BINPUT, LONG_BINPUT, MEMOIZE, BINGET, LONG_BINGET
             b'p' | b'g' => {
-                let key = self.input.line()?.parse().map_err(|_| Fault::Damaged("a memo in it has no number"))?;
+                let key = self
+                    .input
+                    .line()?
+                    .parse()
+                    .map_err(|_| Fault::Damaged("a memo in it has no number"))?;
                 if opcode == b'p' { self.memoize(key) } else { self.recall(key) }
             }
             b'q' => {

@@ -110,9 +110,8 @@ impl StoredFrames {
     ) -> Result<Self, Error> {
         for camera in &cameras {
             for names in camera.images() {
-                let first = (0..frame_count.min(FIRST)).find_map(|frame| {
-                    names.at(frame).filter(|name| files.has(name))
-                });
+                let first = (0..frame_count.min(FIRST))
+                    .find_map(|frame| names.at(frame).filter(|name| files.has(name)));
                 if let Some(name) = first {
                     files.refuse_disguised(&name)?;
                 }

@@ -40,11 +40,8 @@ const USUAL_AXES: [f32; 3] = [1.0, -1.0, -1.0];
 
 /// Reads a file of any version.
 pub(super) fn read(content: &[u8]) -> Result<Loaded, Error> {
-    let packed = if content.starts_with(MAGIC) {
-        streams::read(content)?
-    } else {
-        of_gzip(content)?
-    };
+    let packed =
+        if content.starts_with(MAGIC) { streams::read(content)? } else { of_gzip(content)? };
     Ok(packed.loaded())
 }
 

@@ -58,11 +58,16 @@ fn not_followed(context: &Context<'_>) -> Option<Finding> {
     if most == 0 || share(most, images) > limits.min_masked_share {
         return None;
     }
-    let first = context.scans.iter().filter_map(|scan| scan.frames.iter().position(|g| has_mask(&g)));
+    let first =
+        context.scans.iter().filter_map(|scan| scan.frames.iter().position(|g| has_mask(&g)));
     let first = first.min().unwrap_or_default();
     let message = match most {
-        1 => format!("each camera has masks of one frame alone (frame {first}), of {images} images"),
-        _ => format!("each camera has masks of at most {most} of {images} images, from frame {first} on"),
+        1 => {
+            format!("each camera has masks of one frame alone (frame {first}), of {images} images")
+        }
+        _ => format!(
+            "each camera has masks of at most {most} of {images} images, from frame {first} on"
+        ),
     };
     Some(Finding::error(Code::MasksNotFollowed, message).number("images", most as f64))
 }

@@ -136,7 +136,9 @@ fn camera_files(entry: &CameraEntry) -> Result<CameraFiles, Error> {
     if !(unit_m.is_finite() && unit_m > 0.0) {
         return Err(wrong(format!("depth's `unit_m` is {unit_m}: 0.001 for millimetres")));
     }
-    let all = |patterns: &[String]| patterns.iter().map(|p| names(p).map(MaskFiles::of)).collect::<Result<_, _>>();
+    let all = |patterns: &[String]| {
+        patterns.iter().map(|p| names(p).map(MaskFiles::of)).collect::<Result<_, _>>()
+    };
     let tracks = match &entry.tracks {
         None => None,
         Some(tracks) => Some(TrackFiles::Npy {

@@ -36,6 +36,8 @@ const GUIDE: &str = "docs/use/cameras.md#masks";
 /// Masks of all cameras, found and labelled.
 pub(super) struct Found {
     cameras: Vec<CameraMasks>,
+    /// A folder of masks that are of no camera, and what lies there.
+    strange: Option<(String, String)>,
 }
 
 /// Masks of one camera.
@@ -96,7 +98,16 @@ pub(super) fn find(
     }
     let only = is_only.then_some(ONLY);
     let labelled = found.into_iter().zip(names).map(|(found, names)| found.labelled(names, only));
-    Ok(Found { cameras: labelled.collect::<Result<_, _>>()? })
+    let cameras: Vec<CameraMasks> = labelled.collect::<Result<_, _>>()?;
+    let has_none = cameras.iter().all(|masks| masks.parts.is_empty() && masks.left_out.is_empty());
+    let strange = rig.strange.filter(|_| has_none).map(|folder| {
+        let because = format!(
+            "no name in it is the number or the name of a camera: {}",
+            files.describe(&folder)
+        );
+        (folder, because)
+    });
+    Ok(Found { cameras, strange })
 }
 
 /// The error for labels that nothing names, with the document to write.
@@ -198,6 +209,9 @@ impl Found {
         let all = self.cameras.iter().flat_map(|masks| &masks.parts);
         let all: BTreeSet<String> = all.map(|(label, _)| label.clone()).collect();
         let labels = Labels::sort(&all, chosen)?;
+        if let Some((from, because)) = self.strange {
+            sources.leave_out(from, because);
+        }
         notes.extend(labels.note());
         let mut regions = Vec::with_capacity(cameras.len());
         for (index, (masks, camera)) in self.cameras.into_iter().zip(cameras).enumerate() {
@@ -234,7 +248,8 @@ fn joined(all: Vec<MaskFiles>) -> Vec<MaskFiles> {
             Place::Whole(name) => Some(name.clone()),
             Place::Each(names) => names.at(0).map(|name| name.into_owned()),
         };
-        let before = key.as_ref().and_then(|key| places.get(key)).and_then(|at| joined.get_mut(*at));
+        let before =
+            key.as_ref().and_then(|key| places.get(key)).and_then(|at| joined.get_mut(*at));
         match (before, &files.shown) {
             (Some(MaskFiles { shown: Shown::Labels(labels), .. }), Shown::Labels(more)) => {
                 Arc::make_mut(labels).extend(more.iter().cloned());

@@ -49,14 +49,20 @@ pub(in crate::raw) enum Shown {
 }
 
 /// Labels of the pixels of a file for one frame.
+#[derive(Debug)]
 pub(in crate::raw) enum Labelled {
     Image(Image<u32>),
     Layers(Layers),
 }
 
-/// Masks of all frames by their files, which are read once.
+/// Masks that were read already.
 #[derive(Debug, Default)]
-pub(super) struct Kept(BTreeMap<String, Vec<Layers>>);
+pub(super) struct Kept {
+    /// Masks of all frames by their files.
+    whole: BTreeMap<String, Vec<Layers>>,
+    /// Those of the last frame, which the regions share, with their file.
+    last: Option<(String, Labelled)>,
+}
 
 impl MaskFiles {
     /// Images that show nothing else.
@@ -177,18 +183,27 @@ impl Reader<'_> {
         let size = self.camera.size;
         match &part.place {
             Place::Each(names) => {
+                if let (Some((at, labelled)), Some(name)) = (&self.kept.last, names.at(frame))
+                    && *at == name
+                {
+                    return Ok(Some(labelled.mask(&part.shown, size)));
+                }
                 let Some((at, bytes)) = self.file(names, frame)? else { return Ok(None) };
                 let limits = self.files.limits.clone();
                 let labelled =
                     Labelled::decode(&at, &bytes, size, &limits, &mut self.files.budget)?;
-                Ok(Some(labelled.mask(&part.shown, size)))
+                let mask = labelled.mask(&part.shown, size);
+                if part.shown != Shown::Any {
+                    self.kept.last = Some((at.into_owned(), labelled));
+                }
+                Ok(Some(mask))
             }
             Place::Whole(name) => {
-                if !self.kept.0.contains_key(name) {
+                if !self.kept.whole.contains_key(name) {
                     let frames = whole(&mut self.files, name, size, self.frame_count)?;
-                    self.kept.0.insert(name.clone(), frames);
+                    self.kept.whole.insert(name.clone(), frames);
                 }
-                let frames = self.kept.0.get(name).map_or(&[][..], Vec::as_slice);
+                let frames = self.kept.whole.get(name).map_or(&[][..], Vec::as_slice);
                 // A frame beyond the recording's has none.
                 let layers = frames.get(frame).filter(|layers| !layers.is_empty());
                 Ok(layers.map(|layers| mask(layers, &part.shown, size)))

@@ -126,11 +126,8 @@ fn split(
     for frame in 0..frame_count {
         let mut layers = Vec::with_capacity(layer_count);
         for layer in 0..layer_count {
-            let image = if frame_first {
-                frame * layer_count + layer
-            } else {
-                layer * frame_count + frame
-            };
+            let image =
+                if frame_first { frame * layer_count + layer } else { layer * frame_count + frame };
             let own = (layer_count > 1 || ids.is_some_and(|ids| ids.len() == 1))
                 .then(|| ids.and_then(|ids| ids.get(layer)).map_or(layer as i64, |id| *id));
             let label = match (name, own) {

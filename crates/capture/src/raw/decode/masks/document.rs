@@ -33,8 +33,18 @@ const FRAMES: &[&str] = &["frame_index", "frame_idx", "frame_id", "frame", "imag
 const FILES: &[&str] = &["file_name", "image_path", "image", "filename", "frame_name"];
 /// Keys that say nothing about what is below them.
 const PLAIN: &[&str] = &[
-    "annotations", "frames", "labels", "mask", "masklet", "masks", "objects", "results", "rle",
-    "segmentation", "segmentations", "segments",
+    "annotations",
+    "frames",
+    "labels",
+    "mask",
+    "masklet",
+    "masks",
+    "objects",
+    "results",
+    "rle",
+    "segmentation",
+    "segmentations",
+    "segments",
 ];
 
 /// What is known of a mask from what stands above it.
@@ -99,7 +109,9 @@ pub(super) fn read(
     search.tables(&document);
     match &document {
         // What a document says of itself is no name of its masks.
-        Value::Object(map) if !map.contains_key("counts") => search.entries(map, Above::default())?,
+        Value::Object(map) if !map.contains_key("counts") => {
+            search.entries(map, Above::default())?
+        }
         document => search.walk(document, Above::default())?,
     }
     if search.frames.is_empty() {
@@ -194,12 +206,7 @@ impl<'v> Search<'v, '_> {
         Ok(())
     }
 
-    fn list(
-        &mut self,
-        list: &'v [Value],
-        above: Above<'v>,
-        of_frames: bool,
-    ) -> Result<(), Error> {
+    fn list(&mut self, list: &'v [Value], above: Above<'v>, of_frames: bool) -> Result<(), Error> {
         let is_timed = |value: &Value| {
             let map = value.as_object();
             map.is_some_and(|m| frame_of(m).is_some() || m.contains_key("segmentations"))
@@ -220,7 +227,8 @@ impl<'v> Search<'v, '_> {
     }
 
     fn add(&mut self, size: &Value, counts: &Value, above: Above<'v>) -> Result<(), Error> {
-        let damaged = |fault: &str| Error::Damaged { at: self.at.to_owned(), fault: fault.to_owned() };
+        let damaged =
+            |fault: &str| Error::Damaged { at: self.at.to_owned(), fault: fault.to_owned() };
         let side = |index: usize| size.get(index).and_then(Value::as_u64);
         let (Some(height), Some(width)) = (side(0), side(1)) else {
             return Err(damaged("the size of a mask in it is not [rows, columns]"));

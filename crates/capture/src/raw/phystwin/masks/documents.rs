@@ -50,8 +50,10 @@ pub(super) fn find(
 ) -> Result<Names, Error> {
     let root = rig.folder();
     let places = rig.camera(index);
-    let mut candidates =
-        vec![format!("{root}mask_info_{index}.json"), format!("{root}mask_info_{}.json", camera.name)];
+    let mut candidates = vec![
+        format!("{root}mask_info_{index}.json"),
+        format!("{root}mask_info_{}.json", camera.name),
+    ];
     for folder in places.folders.iter().map(|folder| format!("{folder}/")) {
         candidates.push(format!("{folder}mask_info_{index}.json"));
         candidates.extend(NAMES.iter().map(|name| format!("{folder}{name}.json")));

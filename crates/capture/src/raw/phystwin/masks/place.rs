@@ -15,6 +15,8 @@ pub(super) struct Rig {
     /// The folder of all cameras, with `/` at its end; empty if that is the root.
     root: String,
     cameras: Vec<Places>,
+    /// A folder for masks in which no camera was found.
+    pub(super) strange: Option<String>,
 }
 
 /// Where those of a camera lie.
@@ -39,6 +41,7 @@ impl Rig {
         }
         // Each camera has a folder with all that it recorded.
         let mut rig = Self::below(files, String::new(), cameras);
+        rig.strange = folder.map(|folder| (*folder).to_owned());
         for places in &mut rig.cameras {
             let inner = places.folders.iter().flat_map(|folder| {
                 let has = files.list(folder).folders;
@@ -85,7 +88,7 @@ impl Rig {
         {
             only.folders.push(root.trim_end_matches('/').to_owned());
         }
-        Self { root, cameras: found }
+        Self { root, cameras: found, strange: None }
     }
 
     pub(super) fn camera(&self, index: usize) -> Places {

@@ -15,10 +15,8 @@ fn unaligned() -> FileMap {
         let camera: usize = folder.split('/').nth(1)?.parse().ok()?;
         Some(format!("{folder}/{}.{ending}", number + [30, 70][camera]))
     };
-    let mut files: FileMap = case()
-        .into_iter()
-        .map(|(name, bytes)| (moved(&name).unwrap_or(name), bytes))
-        .collect();
+    let mut files: FileMap =
+        case().into_iter().map(|(name, bytes)| (moved(&name).unwrap_or(name), bytes)).collect();
     let times = |first: usize, late: f64| -> serde_json::Map<_, _> {
         let time = |f: usize| 1.7e9 + f as f64 / 30.0 + late;
         (0..FRAMES).map(|f| ((first + f).to_string(), json!(time(f)))).collect()

@@ -89,7 +89,8 @@ fn palette() -> Vec<u8> {
 
 #[test]
 fn images_of_labels_are_read_by_number() {
-    let color: Vec<u8> = labels().iter().flat_map(|l| [[0; 3], [255, 0, 0], [0, 9, 0]][*l as usize]).collect();
+    let color: Vec<u8> =
+        labels().iter().flat_map(|l| [[0; 3], [255, 0, 0], [0, 9, 0]][*l as usize]).collect();
     let deep: Vec<u8> = labels().iter().flat_map(|label| [0, *label]).collect();
     for image in [
         gray(&labels()),
@@ -122,9 +123,13 @@ fn images_of_labels_are_read_by_number() {
 #[test]
 fn documents_have_many_forms_and_places() {
     let image = gray(&labels());
-    let files = with(|c, f| vec![(format!("masks/right{c}/{f}.png"), image.clone())], |_| Vec::new());
+    let files =
+        with(|c, f| vec![(format!("masks/right{c}/{f}.png"), image.clone())], |_| Vec::new());
     let moved = |to: &dyn Fn(&str) -> String| -> FileMap {
-        files.iter().map(|(name, bytes)| (name.replace("masks/right", &to(name)), bytes.clone())).collect()
+        files
+            .iter()
+            .map(|(name, bytes)| (name.replace("masks/right", &to(name)), bytes.clone()))
+            .collect()
     };
     for value in [
         json!({"1": "toy", "2": "hand"}),
@@ -195,8 +200,9 @@ fn a_folder_for_each_thing_may_have_arrays_and_numbers() {
         floats_npy(&[HEIGHT, WIDTH], mask(of).iter().map(|m| if *m > 0 { 7.5 } else { -3.25 }))
     };
     expect(&parts(["object", "hand"], "npy", &logits));
-    let shares =
-        |of| floats_npy(&[HEIGHT, WIDTH], mask(of).iter().map(|m| if *m > 0 { 0.75 } else { 0.25 }));
+    let shares = |of| {
+        floats_npy(&[HEIGHT, WIDTH], mask(of).iter().map(|m| if *m > 0 { 0.75 } else { 0.25 }))
+    };
     expect(&parts(["object", "hand"], "npy", &shares));
     // SAM 2's --per_obj_png_file: the example has the numbers that are there.
     let png = |of| gray(&mask(of));
@@ -249,7 +255,8 @@ fn one_file_may_have_all_frames() {
     let ids = crate::npy::write("<i4", &[2], &[1, 0, 0, 0, 2, 0, 0, 0]);
     let frames: Vec<(String, Vec<u8>)> =
         (0..FRAMES).map(|f| (format!("arr_{f}"), npy(&[HEIGHT, WIDTH], &labels()))).collect();
-    let frames: Vec<(&str, Vec<u8>)> = frames.iter().map(|(n, b)| (n.as_str(), b.clone())).collect();
+    let frames: Vec<(&str, Vec<u8>)> =
+        frames.iter().map(|(n, b)| (n.as_str(), b.clone())).collect();
     for (ending, file) in [
         ("npy", npy(&shape, &all)),
         ("npz", archive_of(&[("masks", npy(&shape, &all))])),
@@ -365,7 +372,8 @@ fn run_lengths_of_coco_are_read_wherever_tools_put_them() {
             json!({"images": images, "annotations": annotations}),
         ];
         for value in numbered {
-            let files = with(|_, _| Vec::new(), |c| vec![document(&format!("mask/{c}.json"), &value)]);
+            let files =
+                with(|_, _| Vec::new(), |c| vec![document(&format!("mask/{c}.json"), &value)]);
             expect(&named(files));
         }
         let categories = json!([{"id": 1, "name": "toy"}, {"id": 2, "name": "hand"}]);
@@ -420,6 +428,16 @@ fn files_that_are_not_read_are_left_out_and_not_sent() {
     let sent = crate::files_read(folder.path(), &Limits::default()).unwrap().files;
     assert!(sent.contains(&"mask/0/2/1.png".to_owned()));
     assert!(!sent.iter().any(|name| name.contains("overlay") || name.contains("empty")));
+}
+
+#[test]
+fn masks_of_no_camera_are_named() {
+    let files =
+        with(|c, f| vec![(format!("mask/eye{c}/{f}.png"), gray(&labels()))], |_| Vec::new());
+    let recording = describe(&files).unwrap();
+    let lines: Vec<String> = recording.sources.lines().collect();
+    let line = "left out: mask: no name in it is the number or the name of a camera: `mask` has 2 folders (eye0, eye1)";
+    assert!(lines.iter().any(|l| l == line), "{lines:?}");
 }
 
 /// Masks that were made later replace those of the recording.
