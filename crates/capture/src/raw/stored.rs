@@ -7,7 +7,7 @@ use std::{borrow::Cow, collections::BTreeMap, fmt, sync::Arc};
 
 use self::masks::Kept;
 pub(super) use self::masks::{
-    Labelled, MaskFiles, Place, Shown, each as each_label, whole as whole_masks,
+    Labelled, MaskFiles, Place, Shown, whole as whole_masks, words as mask_words,
 };
 use super::{
     ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks,

@@ -123,6 +123,17 @@ impl Labelled {
         }
     }
 
+    /// Calls `note` with the word of every label that shows something, with repetitions.
+    pub(in crate::raw) fn words(&self, mut note: impl FnMut(&str)) {
+        match self {
+            Self::Image(image) => {
+                let mut word = Word::default();
+                image.pixels.iter().filter(|l| **l != 0).for_each(|label| note(word.of(*label)));
+            }
+            Self::Layers(layers) => words(layers, note),
+        }
+    }
+
     /// Calls `pixel` with the word of the label of every pixel that shows something, and its index.
     pub(in crate::raw) fn each(&self, size: Size, mut pixel: impl FnMut(&str, usize)) {
         match self {
@@ -131,7 +142,15 @@ impl Labelled {
                 let shown = image.pixels.iter().enumerate().filter(|(_, label)| **label != 0);
                 shown.for_each(|(index, label)| pixel(word.of(*label), index));
             }
-            Self::Layers(layers) => each(layers, size, pixel),
+            Self::Layers(layers) => {
+                let mut word = Word::default();
+                for layer in layers {
+                    layer.runs.each(size, |index, label| match &layer.label {
+                        Some(name) => pixel(name, index),
+                        None => pixel(word.of(label), index),
+                    });
+                }
+            }
         }
     }
 }
@@ -149,14 +168,19 @@ impl Word {
     }
 }
 
-/// Calls `pixel` with the word of the label of every pixel that shows something, and its index.
-pub(in crate::raw) fn each(layers: &Layers, size: Size, mut pixel: impl FnMut(&str, usize)) {
+/// Calls `note` with the word of every label of layers that shows something, with repetitions.
+pub(in crate::raw) fn words(layers: &Layers, mut note: impl FnMut(&str)) {
+    let mut word = Word::default();
     for layer in layers {
-        let mut word = Word::default();
-        layer.runs.each(size, |index, label| match &layer.label {
-            Some(name) => pixel(name, index),
-            None => pixel(word.of(label), index),
-        });
+        for label in layer.runs.labels() {
+            match &layer.label {
+                Some(name) => {
+                    note(name);
+                    break;
+                }
+                None => note(word.of(label)),
+            }
+        }
     }
 }
 

@@ -31,6 +31,17 @@ impl Runs {
         Ok(Self::Rows(runs))
     }
 
+    /// The labels that show something, with repetitions, without a look at single pixels.
+    pub(in crate::raw) fn labels(&self) -> Box<dyn Iterator<Item = u32> + '_> {
+        match self {
+            Self::Rows(runs) => Box::new(runs.iter().map(|run| run.0).filter(|label| *label != 0)),
+            Self::Columns(lengths) => {
+                let shown = lengths.iter().skip(1).step_by(2);
+                Box::new(shown.filter(|length| **length > 0).map(|_| 1))
+            }
+        }
+    }
+
     /// Calls `pixel` with the index and the label of every pixel that shows something, in no
     /// particular order.
     pub(in crate::raw) fn each(&self, [width, height]: Size, mut pixel: impl FnMut(usize, u32)) {

@@ -11,7 +11,7 @@ use crate::{
     raw::{
         Camera,
         numbering::{Images, Numbering},
-        stored::{Labelled, MAX_PARTS, MaskFiles, Place, Shown, each_label, whole_masks},
+        stored::{Labelled, MAX_PARTS, MaskFiles, Place, Shown, mask_words, whole_masks},
     },
 };
 
@@ -127,6 +127,7 @@ fn labelled(
 ) -> Result<(), Error> {
     let images = images_in(files, folder)?;
     if !images.is_empty() {
+        check_pixels(files, camera, images.in_order().len(), frames)?;
         let labels = in_images(files, &images, camera);
         for label in labels {
             let (at, stored) = (folder.to_owned(), Stored::Images(images.clone()));
@@ -165,16 +166,29 @@ fn in_whole(
     found: &mut CameraParts,
 ) -> Result<(), Error> {
     let size = [camera.width, camera.height];
+    check_pixels(files, camera, frames, frames)?;
     let all = whole_masks(&mut files.fork(), at, size, frames)?;
     let mut labels = BTreeSet::new();
     for frame in &all {
-        each_label(frame, size, |label, _| note(&mut labels, label));
+        mask_words(frame, |label| note(&mut labels, label));
     }
     for label in labels {
         let stored = Stored::Whole(at.to_owned());
         found.parts.push(Part { label, at: at.to_owned(), is_one_of: true, stored });
     }
     Ok(())
+}
+
+/// Refuses more pixels than an archive of this size may hold, before any of them is decoded.
+fn check_pixels(
+    files: &Files<'_>,
+    camera: &Camera,
+    images: usize,
+    frames: usize,
+) -> Result<(), Error> {
+    let pixels = (camera.width as u64).saturating_mul(camera.height as u64);
+    let all = pixels.saturating_mul(images as u64);
+    files.limits.check_pixels(all, frames, files.length())
 }
 
 /// The masks of a folder that have a number in their names.
@@ -194,9 +208,8 @@ fn images_in(files: &mut Files<'_>, folder: &str) -> Result<Images, Error> {
 /// Labels in some of the images. One that is damaged is found when it is read.
 fn in_images(files: &Files<'_>, images: &Images, camera: &Camera) -> BTreeSet<String> {
     let mut labels = BTreeSet::new();
-    let size = [camera.width, camera.height];
     for labelled in sample(files, images, camera, LOOKED_AT) {
-        labelled.each(size, |label, _| note(&mut labels, label));
+        labelled.words(|label| note(&mut labels, label));
     }
     if labels.is_empty() {
         // They are there, and black where they were looked at.

@@ -8,12 +8,18 @@ use crate::{files::Files, raw::Camera};
 /// Images of each part that are looked at.
 const LOOKED_AT: usize = 5;
 
+/// Pixels of all labels of an image beyond which their sizes are left out.
+const MOST_PIXELS: usize = 1 << 28;
+
 /// Pixels of a label in one image: their number, and the sums of columns and rows.
 type Pixels = [f64; 3];
 
 /// Each label with its share of the image and the motion of its centre; empty if none can be read.
 pub(super) fn in_words(files: &Files<'_>, camera: &Camera, parts: &[Part]) -> Vec<String> {
     let size = [camera.width, camera.height];
+    if size[0].saturating_mul(size[1]).saturating_mul(parts.len()) > MOST_PIXELS {
+        return Vec::new();
+    }
     let mut seen: BTreeMap<&str, Vec<Pixels>> = BTreeMap::new();
     let mut last = "";
     for part in parts {
