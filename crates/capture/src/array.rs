@@ -1,6 +1,8 @@
 //! An array as files hold it: type, shape, order and bytes, not yet decoded.
 //! Both .npy files and pickles end here.
 
+mod labels;
+
 use std::borrow::Cow;
 
 use bendtwin_core::Point;

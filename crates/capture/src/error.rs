@@ -214,6 +214,16 @@ pub enum Error {
     #[error("{0}")]
     #[problem(InvalidArgument, "FRAME_NUMBERS_UNCLEAR")]
     FrameNumbers(String),
+    /// An archive or folder of masks without masks.
+    #[error(
+        "there are no masks, {there}: put those of camera 0 into `mask/0`, as images with the number of their frame, \
+         and so on (docs/use/cameras.md#masks)"
+    )]
+    #[problem(InvalidArgument, "NO_MASKS")]
+    NoMasks {
+        /// What lies there, in words.
+        there: String,
+    },
     /// Labels of masks that do not distinguish the object from the manipulator.
     #[error("{0}")]
     #[problem(InvalidArgument, "MASK_LABELS_UNCLEAR")]

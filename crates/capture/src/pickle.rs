@@ -1,9 +1,10 @@
-//! Python pickles of numpy arrays and of torch tensors, protocols 2 to 5, read without recursion
+//! Python pickles of numpy arrays and of torch tensors, protocols 0 to 5, read without recursion
 //! through an allow-list. Nothing is ever imported or called: the few globals
 //! that numpy needs are known by name, and those of torch where its archives are read; everything
 //! else is refused.
 
 mod input;
+mod lines;
 mod machine;
 mod numpy;
 mod torch;

@@ -32,7 +32,7 @@ use std::{
 
 use bendtwin_core::{Environment, Finding, Point};
 
-pub(crate) use self::bundle::Section;
+pub(crate) use self::{bundle::Section, decode::label_number};
 pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     calibration::{CALIBRATION_FILE, CalibratedCamera, Calibration},

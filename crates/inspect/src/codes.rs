@@ -120,6 +120,9 @@ codes! {
     MasksMissing "MASKS_MISSING",
         "there are no masks of the object",
         "segment the object in every camera (SAM 2, for example) and add the masks";
+    MasksNotFollowed "MASKS_NOT_FOLLOWED",
+        "there are masks of the first images alone",
+        "follow them through the recording with a video predictor, or mark the object in BendTwin (docs/use/cameras.md#masks)";
     ObjectNotSeen "OBJECT_NOT_SEEN",
         "no mask of the object has a pixel with depth",
         "check which label is the object's, and that the masks are not black";

@@ -1,8 +1,8 @@
 //! Recordings with one fault each, and the diagnosis expected of each.
 //!
 //! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
-//! data ([`footage`]), in files ([`files`]) and their names ([`naming`]), and in archives
-//! ([`archives`]). A user of this crate
+//! data ([`footage`]), in files ([`files`]), their names ([`naming`]) and masks ([`masks`]), and in
+//! archives ([`archives`]). A user of this crate
 //! calls [`Broken::make`] and compares the diagnosis with the expected one.
 
 pub mod archives;
@@ -11,6 +11,7 @@ pub mod clocks;
 pub mod files;
 pub mod footage;
 pub mod grids;
+pub mod masks;
 pub mod naming;
 pub mod starts;
 pub mod streams;
@@ -98,6 +99,7 @@ pub fn all() -> Vec<Broken> {
         starts::all(),
         files::all(),
         naming::all(),
+        masks::all(),
         archives::all(),
     ]
     .concat()

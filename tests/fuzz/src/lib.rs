@@ -37,6 +37,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "jpeg", run: images::jpeg, seeds: seeds::jpeg },
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },
+    Target { name: "masks", run: archives::masks, seeds: seeds::masks },
     Target { name: "mcap", run: recordings::mcap, seeds: seeds::mcap },
     Target { name: "npy", run: archives::npy, seeds: seeds::npy },
     Target { name: "obj", run: meshes::obj, seeds: seeds::obj },

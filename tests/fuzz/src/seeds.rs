@@ -3,8 +3,8 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, calibrations, damage, documents, images, meshes, pickles, recordings, requests, samples,
-    splats, torch_files, twin_files,
+    Fault, Rng, arrays, calibrations, damage, documents, images, masks as mask_files, meshes,
+    pickles, recordings, requests, samples, splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
 use prost::Message as _;
@@ -81,6 +81,11 @@ pub(crate) fn npy() -> Vec<Vec<u8>> {
     with_faults(vec![arrays::valid(), file(samples::raw_case(), "depth/0/1.npy")], arrays::FAULTS)
 }
 
+pub(crate) fn masks() -> Vec<Vec<u8>> {
+    let images = [samples::png(), samples::jpeg()];
+    with_faults([mask_files::valid(), images.to_vec()].concat(), mask_files::FAULTS)
+}
+
 pub(crate) fn manifest() -> Vec<Vec<u8>> {
     let documents = [samples::observation(), samples::raw_bundle()];
     with_damage(documents.map(|files| file(files, "capture.json")).to_vec())
@@ -153,7 +158,7 @@ pub(crate) fn colmap() -> Vec<Vec<u8>> {
 
 pub(crate) fn splats() -> Vec<Vec<u8>> {
     let spz = |version| splats::spz(version, 3, &splats::body(version));
-    with_faults(vec![splats::ply(), spz(2), spz(3)], splats::FAULTS)
+    with_faults(vec![splats::ply(), spz(2), spz(3), splats::spz_4(3, 1, 12)], splats::FAULTS)
 }
 
 pub(crate) fn twin() -> Vec<Vec<u8>> {

@@ -3,7 +3,8 @@
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
 //! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`splats`], [`documents`], [`calibrations`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
+//! [`splats`], [`documents`], [`masks`], [`calibrations`], [`twin_files`], [`torch_files`],
+//! [`requests`]), or damage to its bytes
 //! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
 
@@ -13,6 +14,7 @@ pub mod calibrations;
 pub mod damage;
 pub mod documents;
 pub mod images;
+pub mod masks;
 pub mod meshes;
 pub mod pickles;
 pub mod recordings;
@@ -60,6 +62,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", meshes::IN_CAPTURES),
         named("zip", documents::IN_CAPTURES),
         named("zip", calibrations::IN_CAPTURES),
+        named("zip", masks::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
     ]
     .concat();

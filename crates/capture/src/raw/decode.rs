@@ -3,11 +3,15 @@
 
 mod depth;
 mod jpeg;
+mod labels;
+pub(super) mod masks;
 mod png;
 
 pub(super) use self::depth::{
     DepthUnit, alike, decode as depth, from_png as depth_png, measured, settle as settle_depth,
 };
+pub(crate) use self::labels::number as label_number;
+pub(super) use self::labels::{labels, word as label_word};
 use super::{ColorImage, Image, Mask};
 use crate::Error;
 
@@ -26,7 +30,7 @@ pub(super) struct Samples {
 
 /// Colour from a PNG or JPEG file, recognized by its content.
 pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Error> {
-    let samples = samples(at, bytes, false, size)?;
+    let samples = samples(at, bytes, size)?;
     let pixels = match samples.channels {
         3 => samples.data.as_chunks().0.to_vec(),
         4 => samples.data.as_chunks().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
@@ -35,23 +39,17 @@ pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Er
     Ok(Image { width: size[0], height: size[1], pixels })
 }
 
-/// A mask from a PNG file: true where any channel but alpha is not zero.
+/// A mask from a PNG or JPEG file: true where there is any label.
 pub(super) fn mask(at: &str, bytes: &[u8], size: Size) -> Result<Mask, Error> {
-    // In 16 bits a mask may have values whose higher byte is 0.
-    let samples = samples(at, bytes, true, size)?;
-    let channels = samples.channels.max(1);
-    let width = if samples.deep { 2 } else { 1 };
-    let shown = width * if channels > 2 { 3 } else { 1 };
-    let pixels = samples.data.chunks_exact(width * channels);
-    let pixels = pixels.map(|p| p.iter().take(shown).any(|x| *x != 0));
-    Ok(Image { width: size[0], height: size[1], pixels: pixels.collect() })
+    let Image { width, height, pixels } = labels(at, bytes, size)?;
+    Ok(Image { width, height, pixels: pixels.into_iter().map(|label| label != 0).collect() })
 }
 
-/// Samples of one byte, or unchanged ones if `deep`.
-fn samples(at: &str, bytes: &[u8], deep: bool, size: Size) -> Result<Samples, Error> {
+/// Samples of one byte.
+fn samples(at: &str, bytes: &[u8], size: Size) -> Result<Samples, Error> {
     let check = |found: Size| same_size(at, found, size);
     if bytes.starts_with(png::MAGIC) {
-        png::decode(at, bytes, deep, check)
+        png::decode(at, bytes, false, check)
     } else if bytes.starts_with(jpeg::MAGIC) {
         jpeg::decode(at, bytes, check)
     } else {

@@ -18,7 +18,7 @@ use super::{
     Camera, Pose, Recording,
     decode::DepthUnit,
     gripper, numbering,
-    stored::{CameraFiles, DepthNames, Names, StoredFrames},
+    stored::{CameraFiles, DepthNames, MaskFiles, Names, StoredFrames},
     validity,
 };
 use crate::{
@@ -166,7 +166,7 @@ fn camera(
     }
     let some = |names: Names| match &names {
         Names::Listed(list) if list.iter().all(Option::is_none) => Vec::new(),
-        _ => vec![names],
+        _ => vec![MaskFiles::of(names)],
     };
     let camera = Camera {
         name: group.name.clone(),

@@ -15,9 +15,6 @@ use crate::{
 pub(super) const COLOR: &[&str] = &["png", "jpg", "jpeg"];
 /// Extensions of depth images, the preferred first: a PNG beside an array is a picture of it.
 pub(super) const DEPTH: &[&str] = &["npy", "png"];
-/// Extensions of masks.
-pub(super) const MASK: &[&str] = &["png"];
-
 /// Bytes of memory that a name takes beside its letters.
 const NAME_BYTES: usize = 64;
 
@@ -55,11 +52,21 @@ impl Images {
         folder: &str,
         extensions: &[&str],
     ) -> Result<Self, Error> {
-        let mut images = Self { at: folder.to_owned(), by_number: BTreeMap::new() };
         let names = files.list(folder).files;
+        Self::among(files, folder, &names, extensions)
+    }
+
+    /// The images among these names of a folder, that have one of these extensions and a number.
+    pub(super) fn among(
+        files: &mut Files<'_>,
+        folder: &str,
+        names: &[String],
+        extensions: &[&str],
+    ) -> Result<Self, Error> {
+        let mut images = Self { at: folder.to_owned(), by_number: BTreeMap::new() };
         for extension in extensions {
             let mut of_this: BTreeMap<u64, &String> = BTreeMap::new();
-            for name in &names {
+            for name in names {
                 let Some((stem, ending)) = name.rsplit_once('.') else { continue };
                 if !ending.eq_ignore_ascii_case(extension) {
                     continue;
@@ -128,6 +135,26 @@ impl Images {
         Some(finding.cameras([camera]))
     }
 
+    /// `true` if there is an image of this number.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.by_number.contains_key(&number)
+    }
+
+    /// Gives images other numbers and leaves out those that get none; images none of which gets one
+    /// stay as they are.
+    pub(super) fn renumber(&mut self, numbers: &BTreeMap<u64, u64>) {
+        if self.by_number.keys().any(|number| numbers.contains_key(number)) {
+            let all = std::mem::take(&mut self.by_number).into_iter();
+            self.by_number =
+                all.filter_map(|(number, name)| Some((*numbers.get(&number)?, name))).collect();
+        }
+    }
+
+    /// Names in the order of their numbers.
+    pub(super) fn in_order(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.by_number.values().map(String::as_str)
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.by_number.is_empty()
     }
@@ -175,7 +202,7 @@ impl Images {
 }
 
 /// The frame's number in a file's name: the digits at its end, or the only ones that it has.
-fn number(stem: &str) -> Option<u64> {
+pub(super) fn number(stem: &str) -> Option<u64> {
     // Times in seconds are no numbers of frames.
     if stem.contains('.') {
         return None;

@@ -4,14 +4,14 @@
 
 mod labels;
 mod masks;
+mod recording;
 mod writer;
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::sync::Arc;
 
 use bendtwin_core::{Environment, Finding};
 use serde::Deserialize;
 
-use self::{labels::Labels, masks::Masks};
 use super::{
     Alignment, Calibration, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
     decode::DepthUnit,
@@ -55,6 +55,8 @@ struct Metadata {
     depth_unit_m: Option<f64>,
     #[serde(default)]
     object_labels: Vec<String>,
+    /// Times of images where PhysTwin's alignment did not run yet.
+    recording: Option<recording::Times>,
 }
 
 /// Reads the case at the root of `files`, but none of its frames. A calibration beside it replaces
@@ -73,23 +75,39 @@ pub(super) fn read(
         (count, _) => count,
     };
     validity::count(camera_count, metadata.frame_num.unwrap_or(1), &files.limits)?;
-    let cameras = cameras(&mut files, &metadata, &frame, calibration, camera_count)?;
-    let images = images(&mut files, &cameras)?;
+    let mut cameras = cameras(&mut files, &metadata, &frame, calibration, camera_count)?;
+    let mut images = images(&mut files, &cameras)?;
+    let aligned = match &metadata.recording {
+        Some(times) if metadata.frame_num.is_none() => {
+            Some(recording::align(times, &mut images, &mut cameras, &files.limits)?)
+        }
+        _ => None,
+    };
     let numbering = numbering(&images, metadata.frame_num, &files.limits)?;
     let frame_count = numbering.frame_count;
-    let masks = masks::find(&mut files, cameras.len())?;
-    let all = masks.iter().flat_map(Masks::labels).map(str::to_owned).collect::<BTreeSet<_>>();
-    let labels = Labels::sort(&all, &metadata.object_labels)?;
-    let mut notes: Vec<Finding> = numbering.note().into_iter().chain(labels.note()).collect();
+    let mut notes: Vec<Finding> = numbering.note().into_iter().collect();
+    let mut sources = Sources::default();
+    let colors: Vec<&Images> = images.iter().map(|[color, _]| color).collect();
+    let mut masks = masks::find(&mut files, &cameras, frame_count)?;
+    if let Some((frames, note)) = aligned {
+        masks.renumber(&frames);
+        notes.push(note);
+    }
+    let masks = masks.sort(
+        &metadata.object_labels,
+        &cameras,
+        &|_| numbering,
+        &colors,
+        &mut notes,
+        &mut sources,
+    )?;
     let unit = depth_unit(metadata.depth_unit_m)?;
     let mut stored = Vec::with_capacity(cameras.len());
-    let mut sources = Sources::default();
     for (index, ([color, depth], masks)) in images.into_iter().zip(masks).enumerate() {
-        notes.extend(masks.note(index));
         for (part, kind) in [("colour", "color"), ("depth", "depth")] {
             sources.take(part, Some(&cameras[index].name), format!("{kind}/{index}"), "");
         }
-        let [object, manipulator] = masks.names(&labels, numbering, &color)?;
+        let [object, manipulator] = masks;
         stored.push(CameraFiles {
             size: metadata.size,
             color: color.names(numbering),

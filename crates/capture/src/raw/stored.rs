@@ -1,8 +1,14 @@
 //! Frames that are separate files, in a folder or a ZIP archive: what PhysTwin, the raw
 //! bundle and nerfstudio have in common.
 
+mod masks;
+
 use std::{borrow::Cow, collections::BTreeMap, fmt, sync::Arc};
 
+use self::masks::Kept;
+pub(super) use self::masks::{
+    Labelled, MaskFiles, Place, Shown, whole as whole_masks, words as mask_words,
+};
 use super::{
     ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks,
     decode::{self, DepthUnit, Size},
@@ -15,6 +21,9 @@ const OVERHEAD: u64 = 4 << 20;
 
 /// Parts that the mask of one region may be made of.
 pub(super) const MAX_PARTS: usize = 64;
+
+/// Frames in which an image is looked for that stands for all of its kind.
+const FIRST: usize = 100;
 
 /// A mesh larger than this was not made for a soft body.
 pub(super) const MAX_MESH: u64 = 256 << 20;
@@ -75,9 +84,9 @@ pub(super) struct CameraFiles {
     pub(super) color: Names,
     pub(super) depth: Option<DepthNames>,
     /// The object's masks; the region is what any of them shows.
-    pub(super) object: Vec<Names>,
+    pub(super) object: Vec<MaskFiles>,
     /// The manipulators' masks, likewise.
-    pub(super) manipulator: Vec<Names>,
+    pub(super) manipulator: Vec<MaskFiles>,
     pub(super) tracks: Option<TrackFiles>,
 }
 
@@ -92,12 +101,22 @@ impl StoredFrames {
     /// The frames of these cameras.
     ///
     /// # Errors
-    /// If their images have more pixels than an archive of its size may hold.
+    /// If their images have more pixels than an archive of its size may hold, or are pointers of Git
+    /// LFS.
     pub(super) fn new(
-        files: Files<'static>,
+        mut files: Files<'static>,
         frame_count: usize,
         cameras: Vec<CameraFiles>,
     ) -> Result<Self, Error> {
+        for camera in &cameras {
+            for names in camera.images() {
+                let first = (0..frame_count.min(FIRST))
+                    .find_map(|frame| names.at(frame).filter(|name| files.has(name)));
+                if let Some(name) = first {
+                    files.refuse_disguised(&name)?;
+                }
+            }
+        }
         let entries = files.entry_count().unwrap_or(usize::MAX);
         let pixels = cameras.iter().map(|c| c.pixels(frame_count, entries));
         let pixels = pixels.fold(0, u64::saturating_add);
@@ -110,13 +129,22 @@ impl CameraFiles {
     /// Names of its images of all kinds.
     fn images(&self) -> impl Iterator<Item = &Names> {
         let depth = self.depth.as_ref().map(|d| &d.names);
-        let kinds = [&self.color].into_iter().chain(depth);
-        kinds.chain(&self.object).chain(&self.manipulator)
+        let masks = self.masks().filter_map(|masks| match &masks.place {
+            Place::Each(names) => Some(names),
+            Place::Whole(_) => None,
+        });
+        [&self.color].into_iter().chain(depth).chain(masks)
+    }
+
+    fn masks(&self) -> impl Iterator<Item = &MaskFiles> {
+        self.object.iter().chain(&self.manipulator)
     }
 
     /// Pixels of all its images, at most.
     fn pixels(&self, frames: usize, entries: usize) -> u64 {
-        let images = self.images().map(|names| names.count(frames, entries) as u64).sum::<u64>();
+        let single = self.images().map(|names| names.count(frames, entries) as u64).sum::<u64>();
+        let whole = self.masks().filter(|masks| matches!(masks.place, Place::Whole(_))).count();
+        let images = single.saturating_add((whole as u64).saturating_mul(frames as u64));
         let [width, height] = self.size.map(|n| n as u64);
         width.saturating_mul(height).saturating_mul(images)
     }
@@ -131,7 +159,12 @@ impl fmt::Debug for StoredFrames {
 impl Source for StoredFrames {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
         let camera = self.cameras.get(camera).ok_or(Error::NoCamera(camera))?;
-        Ok(Box::new(Reader { files: self.files.fork(), camera, frame_count: self.frame_count }))
+        Ok(Box::new(Reader {
+            files: self.files.fork(),
+            camera,
+            frame_count: self.frame_count,
+            kept: Kept::default(),
+        }))
     }
 
     fn files(&self) -> Vec<String> {
@@ -140,6 +173,10 @@ impl Source for StoredFrames {
             for frame in 0..self.frame_count {
                 names.extend(camera.images().filter_map(|n| Some(n.at(frame)?.into_owned())));
             }
+            names.extend(camera.masks().filter_map(|masks| match &masks.place {
+                Place::Whole(name) => Some(name.clone()),
+                Place::Each(_) => None,
+            }));
             match &camera.tracks {
                 Some(TrackFiles::Npz(name)) => names.push(name.clone()),
                 Some(TrackFiles::Npy { points, visible }) => {
@@ -148,6 +185,9 @@ impl Source for StoredFrames {
                 None => {}
             }
         }
+        // Several labels may lie in one file.
+        names.sort_unstable();
+        names.dedup();
         let there = names.iter().filter(|name| self.files.has(name));
         there.map(|name| self.files.full_name(name)).collect()
     }
@@ -167,6 +207,7 @@ struct Reader<'a> {
     files: Files<'static>,
     camera: &'a CameraFiles,
     frame_count: usize,
+    kept: Kept,
 }
 
 impl Reader<'_> {
@@ -204,13 +245,12 @@ impl Frames for Reader<'_> {
             Region::Manipulator => &camera.manipulator,
         };
         let mut whole: Option<Mask> = None;
-        for names in parts {
-            let Some((at, bytes)) = self.file(names, frame)? else { continue };
-            let part = decode::mask(&at, &bytes, camera.size)?;
+        for part in parts {
+            let Some(mask) = self.part(part, frame)? else { continue };
             match &mut whole {
-                None => whole = Some(part),
+                None => whole = Some(mask),
                 Some(whole) => {
-                    whole.pixels.iter_mut().zip(&part.pixels).for_each(|(a, b)| *a |= *b);
+                    whole.pixels.iter_mut().zip(&mask.pixels).for_each(|(a, b)| *a |= *b);
                 }
             }
         }

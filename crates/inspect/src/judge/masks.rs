@@ -25,6 +25,10 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         assessment.findings.push(Finding::error(Code::MasksMissing, message));
         return;
     }
+    if let Some(finding) = not_followed(context) {
+        assessment.findings.push(finding);
+        return;
+    }
     if !any(|g| g.object.is_some_and(|p| p.area_px > 0)) {
         let message = "the object's mask is empty in every frame of every camera";
         assessment.findings.push(Finding::error(Code::ObjectNotSeen, message));
@@ -40,6 +44,32 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         jumps(context, index, scan, assessment);
     }
     exchanged(context, assessment);
+}
+
+/// The finding that only a few images have masks, as clicks give them: the others have none at all,
+/// not even empty ones.
+fn not_followed(context: &Context<'_>) -> Option<Finding> {
+    let limits = &context.thresholds.masks;
+    let has_mask = |g: &&FrameStats| g.object.is_some() || g.manipulator.is_some();
+    let count = |scan: &CameraScan| scan.frames.iter().filter(has_mask).count();
+    let most = context.scans.iter().map(count).max()?;
+    let seen = |scan: &CameraScan| scan.frames.iter().filter(|g| g.color.is_some()).count();
+    let images = context.scans.iter().map(seen).max()?;
+    if most == 0 || share(most, images) > limits.min_masked_share {
+        return None;
+    }
+    let first =
+        context.scans.iter().filter_map(|scan| scan.frames.iter().position(|g| has_mask(&g)));
+    let first = first.min().unwrap_or_default();
+    let message = match most {
+        1 => {
+            format!("each camera has masks of one frame alone (frame {first}), of {images} images")
+        }
+        _ => format!(
+            "each camera has masks of at most {most} of {images} images, from frame {first} on"
+        ),
+    };
+    Some(Finding::error(Code::MasksNotFollowed, message).number("images", most as f64))
 }
 
 /// Judges labels that are exchanged from some frame on: object and hand jump to each other's place.

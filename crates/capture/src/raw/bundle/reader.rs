@@ -16,7 +16,10 @@ use crate::{
         decode::DepthUnit,
         gripper,
         numbering::{self, Images},
-        stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
+        stored::{
+            CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, MaskFiles, Names, Place, StoredFrames,
+            TrackFiles,
+        },
         validity,
     },
 };
@@ -137,7 +140,9 @@ fn camera_files(entry: &CameraEntry) -> Result<CameraFiles, Error> {
     if !(unit_m.is_finite() && unit_m > 0.0) {
         return Err(wrong(format!("depth's `unit_m` is {unit_m}: 0.001 for millimetres")));
     }
-    let all = |patterns: &[String]| patterns.iter().map(|p| names(p)).collect::<Result<_, _>>();
+    let all = |patterns: &[String]| {
+        patterns.iter().map(|p| names(p).map(MaskFiles::of)).collect::<Result<_, _>>()
+    };
     let tracks = match &entry.tracks {
         None => None,
         Some(tracks) => Some(TrackFiles::Npy {
@@ -188,12 +193,13 @@ fn find_images(
     let mut notes = Vec::new();
     for (index, (of, [color, depth])) in stored.iter_mut().zip(found).enumerate() {
         for part in of.object.iter_mut().chain(&mut of.manipulator) {
-            if let Some(images) = find(files, part)? {
+            let Place::Each(names) = &mut part.place else { continue };
+            if let Some(images) = find(files, names)? {
                 notes.extend(images.note_missing(files, index));
                 if let (true, Some(color)) = (numbering.first > 0, &color) {
                     images.expect_within(numbering, color)?;
                 }
-                *part = images.names(numbering);
+                *names = images.names(numbering);
             }
         }
         if let Some(images) = color {

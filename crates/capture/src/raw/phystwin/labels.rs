@@ -162,8 +162,8 @@ impl Labels {
 /// The error that names all labels and the setting that decides.
 fn refused(all: &BTreeSet<String>, fault: &str) -> Error {
     Error::MaskLabels(format!(
-        "the masks are labelled {}; {fault}: add the object's labels to {MARKER}, as in \"{KEY}\": [\"{}\"]; all others \
-         are then what moves it",
+        "the masks are labelled {}; {fault}: label them `object` and `hand`, or add the object's labels to {MARKER}, as \
+         in \"{KEY}\": [\"{}\"]; all others are then what moves it (docs/use/cameras.md#masks)",
         quoted(all),
         all.first().map_or("", String::as_str),
     ))

@@ -1,5 +1,7 @@
 mod calibration;
+mod recordings;
 mod spellings;
+mod tools;
 
 use super::*;
 use crate::{
