@@ -8,6 +8,7 @@ mod depth;
 mod masks;
 mod motion;
 mod paths;
+mod rate;
 mod recording;
 mod scale;
 mod skew;

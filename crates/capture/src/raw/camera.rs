@@ -23,6 +23,9 @@ pub struct Camera {
     /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that
     /// are missing, shape [T]; empty if the recording has no times.
     pub times_s: Vec<f64>,
+    /// Frames per second of this camera, if it is known to be lower than that of the recording: the
+    /// frames between have no images of it.
+    pub fps: Option<f64>,
 }
 
 /// A pinhole in pixels: `u = fx x/z + cx`, `v = fy y/z + cy`.
@@ -159,6 +162,12 @@ impl Distortion {
 }
 
 impl Pose {
+    /// At the origin, with the world's axes.
+    pub(super) const IDENTITY: Self = Self {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
     /// From the rows of a matrix of 4 x 4, whose last is 0, 0, 0, 1, or of 3 x 4, which lacks it.
     pub(super) fn from_rows(camera: &str, m: &[[f64; 4]]) -> Result<Self, Error> {
         let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });

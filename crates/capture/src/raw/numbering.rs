@@ -1,7 +1,7 @@
 //! Numbers in the names of images: which image belongs to which frame, for any spelling of names
 //! and any first number.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
 use bendtwin_core::Finding;
 
@@ -132,6 +132,18 @@ impl Images {
         self.by_number.is_empty()
     }
 
+    /// `true` if there is an image of this number.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.by_number.contains_key(&number)
+    }
+
+    /// Frames from its first image to its last.
+    pub(super) fn span(&self, numbering: Numbering) -> Option<Range<usize>> {
+        let (first, last) = self.range()?;
+        let frame = |number: u64| usize::try_from(number.checked_sub(numbering.first)?).ok();
+        Some(frame(first)?..(frame(last)? + 1).min(numbering.frame_count))
+    }
+
     /// First and last number.
     fn range(&self) -> Option<(u64, u64)> {
         Some((*self.by_number.first_key_value()?.0, *self.by_number.last_key_value()?.0))
@@ -215,6 +227,16 @@ pub(super) fn align(
         return Err(unlike(all, &format!("{count} frames ({at})")));
     }
     Ok(Numbering { first, frame_count: count })
+}
+
+/// Numbers of images from the smallest to the largest, of cameras that count on their own.
+pub(super) fn span(all: &[&Images], limits: &Limits) -> Result<Numbering, Error> {
+    let ranges = || all.iter().filter_map(|images| images.range());
+    let first = ranges().map(|r| r.0).min().unwrap_or(0);
+    let last = ranges().map(|r| r.1).max().unwrap_or(0);
+    let span = usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1);
+    at_most("frames of a recording", span, limits.recording_frames)?;
+    Ok(Numbering { first, frame_count: span })
 }
 
 /// Refuses a number of frames that is not that of the images.

@@ -231,5 +231,6 @@ fn camera(number: usize, translation: [f64; 3]) -> Camera {
             translation,
         }],
         times_s: Vec::new(),
+        fps: None,
     }
 }

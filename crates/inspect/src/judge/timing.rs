@@ -2,7 +2,10 @@
 
 use bendtwin_capture::raw::Camera;
 
-use super::{Assessment, Context, named};
+use super::{
+    Assessment, Context, named,
+    rate::{OwnRate, own_rate},
+};
 use crate::{
     Code, Finding,
     scan::{CameraScan, FrameStats},
@@ -30,8 +33,31 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
     // Files that exist but are damaged have a separate finding.
     let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
-    let frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
+    let mut frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
     let all = scan.frames.len();
+    if let Some(rate) = slower(context, index, all) {
+        let own = context.recording.fps / rate.frames_per_image;
+        let message = format!(
+            "{} recorded at {} fps, the recording has {}",
+            named(context.recording, index),
+            rounded(own),
+            rounded(context.recording.fps)
+        );
+        let finding = Finding::info(Code::CameraSlower, message).cameras([index]);
+        assessment.findings.push(finding.number("fps", own));
+        frames = rate.dropped.into_iter().filter(|f| !damaged(f)).collect();
+    } else if let Some(ratio) = closed_up(context, index, all) {
+        let message = format!(
+            "{} has {} images and the recording {all} frames, as a camera of {} fps has if its images are numbered one after \
+             another",
+            named(context.recording, index),
+            all - frames.len(),
+            rounded(context.recording.fps / ratio)
+        );
+        let finding = Finding::error(Code::CameraRateUnclear, message).cameras([index]);
+        assessment.findings.push(finding.number("ratio", ratio));
+        frames.clear();
+    }
     if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
         let ends = frames.len() >= limits.min_cut_frames
@@ -62,6 +88,50 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     if let Some(report) = assessment.cameras.get_mut(index) {
         report.missing_frames = missing;
     }
+}
+
+/// Frames in which a camera has colour and depth, or files that are damaged.
+fn present(scan: &CameraScan) -> Vec<usize> {
+    let frames = scan.frames.iter().enumerate();
+    let is_there = |(frame, g): (usize, &FrameStats)| {
+        let whole = g.color.is_some() && g.depth.is_some();
+        (whole || scan.damaged_frames.contains(&frame)).then_some(frame)
+    };
+    frames.filter_map(is_there).collect()
+}
+
+/// `true` if another camera has an image in nearly every frame.
+fn another_is_full(context: &Context<'_>, index: usize, all: usize) -> bool {
+    let others = context.scans.iter().enumerate().filter(|(other, _)| *other != index);
+    let enough = context.thresholds.timing.min_full_share * all as f64;
+    others.into_iter().any(|(_, scan)| present(scan).len() as f64 >= enough)
+}
+
+/// The rate of a camera that is slower than the others.
+fn slower(context: &Context<'_>, index: usize, all: usize) -> Option<OwnRate> {
+    let (camera, scan) = (context.recording.cameras.get(index)?, context.scans.get(index)?);
+    let declared =
+        camera.fps.map(|fps| context.recording.fps / fps).filter(|r| *r > 1.0 && r.is_finite());
+    if declared.is_none() && !another_is_full(context, index, all) {
+        return None;
+    }
+    own_rate(&present(scan), all, declared, &context.thresholds.timing)
+}
+
+/// Ratio of frames to images of a camera that ends early, as one of a lower rate does that numbers its
+/// images one after another.
+fn closed_up(context: &Context<'_>, index: usize, all: usize) -> Option<f64> {
+    let present = present(context.scans.get(index)?);
+    let has_gaps = present.last().is_some_and(|last| last + 1 > present.len() + present.len() / 10);
+    if has_gaps || !another_is_full(context, index, all) {
+        return None;
+    }
+    super::rate::closed_up(&present, all, &context.thresholds.timing)
+}
+
+/// A rate without digits that say nothing.
+fn rounded(fps: f64) -> f64 {
+    (fps * 100.0).round() / 100.0
 }
 
 /// Repeats: true where a camera shows the same in a frame as in the one before, shape [camera][T].

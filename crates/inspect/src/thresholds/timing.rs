@@ -6,6 +6,19 @@ pub(crate) struct TimingThresholds {
     /// Share of missing, repeated or frozen frames beyond which a fit is meaningless, 0..=1. Chosen
     /// by hand.
     pub(crate) max_lost_share: f64,
+    /// Gaps between images from which a camera's rate can be told. Chosen by hand.
+    pub(crate) min_regular_gaps: usize,
+    /// Share of gaps of one length, or of two that follow each other, from which they are a rate and
+    /// no dropped frames, 0..=1. Chosen by hand.
+    pub(crate) min_regular_share: f64,
+    /// Share of the frames that another camera must have before gaps are a rate, 0..=1: where all have
+    /// the same gaps, the recording's rate is wrong.
+    pub(crate) min_full_share: f64,
+    /// Relative deviation from a whole ratio up to which a camera that ends early has the images of a
+    /// lower rate. Chosen by hand.
+    pub(crate) max_closed_up_error: f64,
+    /// Largest such ratio. Chosen by hand.
+    pub(crate) max_closed_up: f64,
     /// Missing frames at the end from which a stream counts as cut off rather than as dropping
     /// frames. Chosen by hand.
     pub(crate) min_cut_frames: usize,
@@ -35,6 +48,11 @@ impl Default for TimingThresholds {
     fn default() -> Self {
         Self {
             max_lost_share: 0.4,
+            min_regular_gaps: 5,
+            min_regular_share: 0.7,
+            min_full_share: 0.7,
+            max_closed_up_error: 0.04,
+            max_closed_up: 6.0,
             min_cut_frames: 3,
             max_repeats: 1,
             min_pause_frames: 3,

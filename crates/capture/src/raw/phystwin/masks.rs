@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use bendtwin_core::Finding;
 
-use super::{MARKER, labels::Labels};
+use super::{MARKER, labels::Labels, layout::Folders};
 use crate::{
     Error,
     files::{Files, at_most, shortened},
@@ -33,13 +33,11 @@ pub(super) struct Masks {
 }
 
 /// Finds the masks of all cameras.
-pub(super) fn find(files: &mut Files<'static>, cameras: usize) -> Result<Vec<Masks>, Error> {
-    (0..cameras).map(|index| of_camera(files, index)).collect()
+pub(super) fn find(files: &mut Files<'static>, cameras: &[Folders]) -> Result<Vec<Masks>, Error> {
+    cameras.iter().map(|folders| of_camera(files, folders.mask.clone())).collect()
 }
 
-fn of_camera(files: &mut Files<'static>, index: usize) -> Result<Masks, Error> {
-    let folder = format!("mask/{index}");
-    let info = format!("mask/mask_info_{index}.json");
+fn of_camera(files: &mut Files<'static>, [folder, info]: [String; 2]) -> Result<Masks, Error> {
     let folders = files.list(&folder).folders;
     at_most("masks of a camera", folders.len(), MAX_PARTS)?;
     let labels: BTreeMap<String, String> = match files.find_document(&info)? {
