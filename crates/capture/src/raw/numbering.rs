@@ -141,7 +141,7 @@ impl Images {
     pub(super) fn span(&self, numbering: Numbering) -> Option<Range<usize>> {
         let (first, last) = self.range()?;
         let frame = |number: u64| usize::try_from(number.checked_sub(numbering.first)?).ok();
-        Some(frame(first)?..(frame(last)? + 1).min(numbering.frame_count))
+        Some(frame(first)?..frame(last)?.saturating_add(1).min(numbering.frame_count))
     }
 
     /// First and last number.

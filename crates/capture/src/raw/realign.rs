@@ -106,8 +106,8 @@ impl DepthCamera {
         }
         let range = |axis: usize| {
             let middle = centre[axis].round() as i64;
-            let first = (low[axis].ceil() as i64).max(middle - MAX_COVER).max(0);
-            let last = (high[axis].floor() as i64).min(middle + MAX_COVER);
+            let first = (low[axis].ceil() as i64).max(middle.saturating_sub(MAX_COVER)).max(0);
+            let last = (high[axis].floor() as i64).min(middle.saturating_add(MAX_COVER));
             first..=last.min(self.color.size[axis] as i64 - 1)
         };
         let (columns, z) = (range(0), z as f32);

@@ -3,8 +3,8 @@
 
 use std::{ops::Range, sync::Arc};
 
-use super::{ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks};
-use crate::{Error, files::at_most};
+use super::{ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks, tracks::BYTES};
+use crate::{Error, Limits, files::at_most};
 
 /// A camera's clock against the recording's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,28 +93,30 @@ pub(super) fn shared(images: &Images) -> Result<Range<usize>, Error> {
 pub(super) struct Retimed {
     source: Arc<dyn Source>,
     images: Images,
+    /// Most bytes of tracks.
+    bytes: u64,
 }
 
 impl Retimed {
     /// The frames of `source` in another order.
     ///
     /// # Errors
-    /// If there are more than `limit` frames.
+    /// If there are more frames than a recording may have.
     pub(super) fn new(
         source: Arc<dyn Source>,
         images: Images,
-        limit: usize,
+        limits: &Limits,
     ) -> Result<Self, Error> {
         let most = images.iter().map(Vec::len).max().unwrap_or(0);
-        at_most("frames of a recording", most, limit)?;
-        Ok(Self { source, images })
+        at_most("frames of a recording", most, limits.recording_frames)?;
+        Ok(Self { source, images, bytes: limits.total_bytes })
     }
 }
 
 impl Source for Retimed {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
         let images = self.images.get(camera).ok_or(Error::NoCamera(camera))?;
-        Ok(Box::new(Reader { frames: self.source.frames(camera)?, images }))
+        Ok(Box::new(Reader { frames: self.source.frames(camera)?, images, bytes: self.bytes }))
     }
 
     fn files(&self) -> Vec<String> {
@@ -125,6 +127,7 @@ impl Source for Retimed {
 struct Reader<'a> {
     frames: Box<dyn Frames + 'a>,
     images: &'a [Option<usize>],
+    bytes: u64,
 }
 
 impl Reader<'_> {
@@ -150,6 +153,10 @@ impl Frames for Reader<'_> {
         let Some(Tracks { count, points, visible }) = self.frames.tracks()? else {
             return Ok(None);
         };
+        let bytes = (self.images.len() as u64).saturating_mul(count as u64).saturating_mul(BYTES);
+        if bytes > self.bytes {
+            return Err(Error::TooLarge { what: "tracks".to_owned(), bytes, limit: self.bytes });
+        }
         let row = |image: Option<usize>| {
             let range = image.map(|image| image * count..(image + 1) * count);
             range.and_then(|range| Some((points.get(range.clone())?, visible.get(range)?)))

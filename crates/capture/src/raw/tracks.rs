@@ -26,6 +26,9 @@ const MAX_SCALED: f32 = 1.0 + 1e-3;
 /// Probability from which a point counts as visible, where flags are numbers.
 const PROBABLE: f32 = 0.5;
 
+/// Bytes of a track in a frame.
+pub(super) const BYTES: u64 = 9;
+
 /// Order of a position's two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
@@ -118,6 +121,9 @@ impl Arrays<'_> {
         at_most("tracks of a camera", layout.count, limit)?;
         let flat = self.points.floats(budget)?;
         budget.take(2 * flat.len() as u64 * 4, &self.points.at)?;
+        // A row for each frame takes more where the file has only those of some.
+        let all = (subject.frame_count as u64).saturating_mul(layout.count as u64);
+        budget.take(all.saturating_mul(BYTES), &self.points.at)?;
         let pairs = layout.by_frame(flat.as_chunks::<2>().0);
         let mut visible = match self.flags {
             None => vec![true; pairs.len()],

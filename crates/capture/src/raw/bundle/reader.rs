@@ -93,7 +93,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         None => stored,
         Some(clocks) => {
             let by_frame = clocks.iter().map(|clock| clock.by_frame(image_count, frame_count));
-            Arc::new(Retimed::new(stored, by_frame.collect(), files.limits.recording_frames)?)
+            Arc::new(Retimed::new(stored, by_frame.collect(), &files.limits)?)
         }
     };
     Ok(Recording {

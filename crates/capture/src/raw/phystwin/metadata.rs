@@ -67,12 +67,12 @@ enum Each<T> {
     One(Vec<T>),
 }
 
-impl<T: Clone> Each<T> {
+impl<T> Each<T> {
     /// The values of all cameras.
-    fn of(&self, key: &str, cameras: usize) -> Result<Vec<T>, Error> {
+    fn of(&self, key: &str, cameras: usize) -> Result<Vec<&T>, Error> {
         match self {
-            Self::All(value) => Ok(vec![value.clone(); cameras]),
-            Self::One(values) if values.len() == cameras => Ok(values.clone()),
+            Self::All(value) => Ok(vec![value; cameras]),
+            Self::One(values) if values.len() == cameras => Ok(values.iter().collect()),
             Self::One(values) => Err(Error::Lengths(format!(
                 "`{key}` of {MARKER} has {} values for {cameras} cameras: give one, or one for each",
                 values.len()
@@ -88,16 +88,17 @@ impl Metadata {
 
     /// Frames per second of each camera.
     pub(super) fn rates(&self) -> Result<Vec<f64>, Error> {
-        self.fps.of("fps", self.cameras())
+        Ok(self.fps.of("fps", self.cameras())?.into_iter().copied().collect())
     }
 
     /// The cameras' clocks, if their images are not numbered by the frames of the recording.
     pub(super) fn clocks(&self) -> Result<Option<(f64, Vec<Clock>)>, Error> {
-        let offsets = self.frame_offsets.as_ref();
-        let offsets = offsets.map_or_else(
-            || Ok(vec![0; self.cameras()]),
-            |offsets| offsets.of("frame_offsets", self.cameras()),
-        )?;
+        let offsets: Vec<i64> = match &self.frame_offsets {
+            None => vec![0; self.cameras()],
+            Some(offsets) => {
+                offsets.of("frame_offsets", self.cameras())?.into_iter().copied().collect()
+            }
+        };
         Clock::of(&self.rates()?, &offsets)
     }
 
@@ -108,7 +109,7 @@ impl Metadata {
         else {
             return Ok(vec![DepthUnit::Usual; self.cameras()]);
         };
-        let values = values.of(key, self.cameras())?.into_iter();
+        let values = values.of(key, self.cameras())?.into_iter().copied();
         let unit =
             |unit_m| DepthUnit::declared(unit_m).ok_or_else(|| wrong(unit_fault(key, unit_m)));
         values.map(unit).collect()
@@ -132,24 +133,27 @@ impl Metadata {
         };
         let count = cameras.len();
         let matrices = matrices.of("depth_intrinsics", count)?;
-        let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]].to_vec();
-        let poses = self.depth_pose.as_ref();
-        let poses =
-            poses.map_or(Ok(vec![identity; count]), |poses| poses.of("depth_pose", count))?;
-        let sizes = self.depth_size.as_ref();
-        let sizes =
-            sizes.map_or(Ok(vec![self.size; count]), |sizes| sizes.of("depth_size", count))?;
-        let lenses = self.depth_distortion.as_ref();
-        let lenses =
-            lenses.map_or(Ok(vec![Vec::new(); count]), |of| of.of("depth_distortion", count))?;
+        let poses = self.depth_pose.as_ref().map(|poses| poses.of("depth_pose", count));
+        let poses = poses.transpose()?;
+        let sizes = self.depth_size.as_ref().map(|sizes| sizes.of("depth_size", count));
+        let sizes = sizes.transpose()?;
+        let lenses = self.depth_distortion.as_ref().map(|of| of.of("depth_distortion", count));
+        let lenses = lenses.transpose()?;
         let mut all = Vec::with_capacity(count);
         for (index, camera) in cameras.iter().enumerate() {
-            let distortion = Distortion::brown_conrady(&lenses[index]).ok_or_else(|| {
-                wrong(format!("`depth_distortion` has {} numbers: 4, 5 or 8", lenses[index].len()))
+            let coefficients = lenses.as_ref().map_or(&[][..], |lenses| lenses[index].as_slice());
+            let distortion = Distortion::brown_conrady(coefficients).ok_or_else(|| {
+                wrong(format!("`depth_distortion` has {} numbers: 4, 5 or 8", coefficients.len()))
             })?;
-            let intrinsics = intrinsics(&camera.name, &matrices[index])?;
-            let depth = Lens { size: sizes[index], intrinsics, distortion };
-            let pose = Pose::from_rows(&camera.name, &poses[index])?;
+            let depth = Lens {
+                size: sizes.as_ref().map_or(self.size, |sizes| *sizes[index]),
+                intrinsics: intrinsics(&camera.name, matrices[index])?,
+                distortion,
+            };
+            let pose = match &poses {
+                None => Pose::IDENTITY,
+                Some(poses) => Pose::from_rows(&camera.name, poses[index])?,
+            };
             all.push(Some(validity::depth_camera(camera, depth, &pose, limits)?));
         }
         Ok(all)

@@ -1,3 +1,4 @@
+mod rigs;
 mod spellings;
 
 use super::*;

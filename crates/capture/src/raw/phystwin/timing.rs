@@ -145,7 +145,7 @@ impl Timing {
             }
         }
         let source: Arc<dyn Source> = recording.source.clone();
-        recording.source = Arc::new(Retimed::new(source, images, limits.recording_frames)?);
+        recording.source = Arc::new(Retimed::new(source, images, limits)?);
         Ok(())
     }
 }
@@ -187,6 +187,3 @@ fn cut(images: retimed::Images, frames: &Range<usize>) -> retimed::Images {
     let of = |of: Vec<Option<usize>>| of.get(frames.clone()).unwrap_or_default().to_vec();
     images.into_iter().map(of).collect()
 }
-
-#[cfg(test)]
-mod tests;

@@ -62,7 +62,8 @@ impl Frames for Numbered {
 #[test]
 fn images_and_tracks_go_to_their_frames() {
     let images = vec![vec![Some(2), None, Some(1), Some(7)]];
-    let source = Retimed::new(Arc::new(Numbered), images, 10).unwrap();
+    let limits = Limits { recording_frames: 10, ..Limits::default() };
+    let source = Retimed::new(Arc::new(Numbered), images, &limits).unwrap();
     let mut frames = source.frames(0).unwrap();
     assert_eq!(frames.color(0).unwrap().unwrap().pixels, [[2; 3]]);
     assert!(frames.color(1).unwrap().is_none() && frames.depth(9).unwrap().is_none());
@@ -71,5 +72,8 @@ fn images_and_tracks_go_to_their_frames() {
     assert_eq!((tracks.points[0], tracks.points[2]), ([4.0, 5.0], [2.0, 3.0]));
     assert_eq!(tracks.visible, [false, false, true, false]);
     assert!(source.frames(1).is_err());
-    assert!(Retimed::new(Arc::new(Numbered), vec![vec![None; 11]], 10).is_err());
+    assert!(Retimed::new(Arc::new(Numbered), vec![vec![None; 11]], &limits).is_err());
+    let tight = Limits { total_bytes: 20, ..limits };
+    let source = Retimed::new(Arc::new(Numbered), vec![vec![None; 5]], &tight).unwrap();
+    assert!(source.frames(0).unwrap().tracks().is_err());
 }
