@@ -111,7 +111,7 @@ impl<'a> Pickle<'a> {
         ids.iter().enumerate().map(of).collect()
     }
 
-    /// The arrays of a dictionary whose keys are texts or whole numbers; `None` if the root is none.
+    /// The arrays of a dictionary whose keys are texts or whole numbers; `None` for another root.
     pub(crate) fn named_arrays(&self) -> Result<Option<Vec<(String, Array<'a>)>>, Error> {
         let Value::Dict(entries) = self.value(self.root) else { return Ok(None) };
         let of = |(key, value): &(Id, Id)| {

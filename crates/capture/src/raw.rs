@@ -14,9 +14,7 @@ mod mcap;
 pub(crate) mod nerfstudio;
 mod numbering;
 mod phystwin;
-mod probe;
 mod realign;
-mod retimed;
 mod stored;
 #[cfg(test)]
 pub(crate) mod testing;

@@ -47,8 +47,7 @@ fn to_color(angle: f64, place: [f64; 3]) -> Pose {
 fn in_world(to_color: &Pose) -> Pose {
     let c = COLOR_POSE.rotation;
     let turn = |v: [f64; 3]| c.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
-    let columns: [[f64; 3]; 3] =
-        std::array::from_fn(|j| turn(to_color.rotation.map(|row| row[j])));
+    let columns: [[f64; 3]; 3] = std::array::from_fn(|j| turn(to_color.rotation.map(|row| row[j])));
     let moved = turn(to_color.translation);
     Pose {
         rotation: std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i])),
@@ -79,9 +78,15 @@ fn write(folder: &Path, depth: &Camera, to_color: &Pose) {
     for kind in ["color/0", "depth/0"] {
         std::fs::create_dir_all(folder.join(kind)).unwrap();
     }
-    let k = |i: &Intrinsics| format!("[[{}, 0, {}], [0, {}, {}], [0, 0, 1]]", i.fx, i.cx, i.fy, i.cy);
+    let k =
+        |i: &Intrinsics| format!("[[{}, 0, {}], [0, {}, {}], [0, 0, 1]]", i.fx, i.cx, i.fy, i.cy);
     let rows = |pose: &Pose| {
-        let row = |i: usize| format!("[{:?}, {:?}, {:?}, {:?}]", pose.rotation[i][0], pose.rotation[i][1], pose.rotation[i][2], pose.translation[i]);
+        let row = |i: usize| {
+            format!(
+                "[{:?}, {:?}, {:?}, {:?}]",
+                pose.rotation[i][0], pose.rotation[i][1], pose.rotation[i][2], pose.translation[i]
+            )
+        };
         format!("[{}, {}, {}]", row(0), row(1), row(2))
     };
     let color = camera([WIDTH, HEIGHT], 150.0, Distortion::None, COLOR_POSE);
@@ -137,7 +142,11 @@ fn compare(depth: &Camera, to_color: &Pose) -> [f64; 3] {
     }
     assert!(both > WIDTH * HEIGHT / 2, "{both}");
     let all = (WIDTH * HEIGHT) as f64;
-    [filled as f64 / f64::from(both as u32), f64::from(farther as u32) / all, f64::from(nearer as u32) / all]
+    [
+        filled as f64 / f64::from(both as u32),
+        f64::from(farther as u32) / all,
+        f64::from(nearer as u32) / all,
+    ]
 }
 
 #[test]
@@ -146,7 +155,10 @@ fn depth_of_another_camera_is_where_colour_sees_it() {
     let bent = Distortion::BrownConrady([0.08, -0.05, 0.001, -0.002, 0.0, 0.0, 0.0, 0.0]);
     for (name, depth) in [
         ("the same resolution", camera([WIDTH, HEIGHT], 150.0, Distortion::None, in_world(&pose))),
-        ("a wider view of half the resolution", camera([96, 72], 70.0, Distortion::None, in_world(&pose))),
+        (
+            "a wider view of half the resolution",
+            camera([96, 72], 70.0, Distortion::None, in_world(&pose)),
+        ),
         ("twice the resolution", camera([320, 240], 300.0, Distortion::None, in_world(&pose))),
         ("a distorted lens", camera([200, 150], 170.0, bent, in_world(&pose))),
     ] {

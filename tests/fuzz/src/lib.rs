@@ -35,6 +35,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },
     Target { name: "mcap", run: recordings::mcap, seeds: seeds::mcap },
+    Target { name: "metadata", run: archives::metadata, seeds: seeds::metadata },
     Target { name: "npy", run: archives::npy, seeds: seeds::npy },
     Target { name: "obj", run: meshes::obj, seeds: seeds::obj },
     Target { name: "pickle", run: archives::pickle, seeds: seeds::pickle },

@@ -20,12 +20,12 @@ pub(super) type Size = [usize; 2];
 /// What counts of colour images that declare an orientation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Turn {
-    /// None was found that does: one that does is refused.
+    /// No image is known to declare one: an image that does is refused.
     #[default]
     Undeclared,
     /// The pixels as stored.
     Stored,
-    /// The picture as it is to be shown.
+    /// The picture after the declared turn.
     Shown,
 }
 

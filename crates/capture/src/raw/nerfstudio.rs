@@ -17,8 +17,8 @@ use self::{
 use super::{
     Camera, Pose, Recording,
     decode::{DepthUnit, unit_fault},
-    numbering, probe,
-    stored::{CameraFiles, DepthNames, Names, StoredFrames},
+    numbering,
+    stored::{CameraFiles, DepthNames, Names, StoredFrames, probe},
     validity,
 };
 use crate::{

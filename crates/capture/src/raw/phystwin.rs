@@ -19,8 +19,7 @@ use self::{labels::Labels, layout::Folders, masks::Masks, metadata::Metadata, po
 use super::{
     Alignment, Camera, Distortion, Intrinsics, MeshFile, Recording,
     numbering::{self, Images},
-    probe,
-    stored::{CameraFiles, DepthNames, MAX_MESH, StoredFrames, TrackFiles},
+    stored::{CameraFiles, DepthNames, MAX_MESH, StoredFrames, TrackFiles, probe},
     validity,
 };
 use crate::{

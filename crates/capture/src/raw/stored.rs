@@ -1,6 +1,8 @@
 //! Frames that are separate files, in a folder or a ZIP archive: what PhysTwin, the raw
 //! bundle and nerfstudio have in common.
 
+pub(super) mod probe;
+
 use std::{borrow::Cow, collections::BTreeMap, fmt, ops::Range, sync::Arc};
 
 use super::{

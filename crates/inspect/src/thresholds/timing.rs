@@ -6,7 +6,7 @@ pub(crate) struct TimingThresholds {
     /// Share of missing, repeated or frozen frames beyond which a fit is meaningless, 0..=1. Chosen
     /// by hand.
     pub(crate) max_lost_share: f64,
-    /// Gaps between images from which a camera's rate can be told. Chosen by hand.
+    /// Gaps between images from which a camera's rate is determined. Chosen by hand.
     pub(crate) min_regular_gaps: usize,
     /// Share of gaps of one length, or of two that follow each other, from which they are a rate and
     /// no dropped frames, 0..=1. Chosen by hand.

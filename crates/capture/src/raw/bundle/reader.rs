@@ -15,12 +15,13 @@ use crate::{
     npy,
     raw::{
         Alignment, Camera, Distortion, MeshFile, Pose, Recording, Source,
+        clock::retimed::{Clock, Retimed},
         decode::{DepthUnit, unit_fault},
         numbering::{self, Images},
-        probe,
         realign::{DepthCamera, Lens},
-        retimed::{Clock, Retimed},
-        stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
+        stored::{
+            CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles, probe,
+        },
         validity,
     },
 };

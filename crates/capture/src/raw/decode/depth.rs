@@ -75,9 +75,9 @@ pub(in crate::raw) fn form(
         };
         (array.dtype_name(), unit_m)
     };
-    let said = if matches!(unit, DepthUnit::Declared(_)) { "as declared" } else { "by default" };
-    let said = if unit_m == 1.0 && unit == DepthUnit::Usual { "by their size" } else { said };
-    Ok(format!("{what}, 1 is {unit_m} m {said}"))
+    let said = if unit == DepthUnit::Usual { " by default" } else { "" };
+    let said = if unit_m == 1.0 && unit == DepthUnit::Usual { " by their size" } else { said };
+    Ok(format!("{what}, 1 is {unit_m} m{said}"))
 }
 
 /// Refuses what is made to be looked at, and no measurement.

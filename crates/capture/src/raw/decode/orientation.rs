@@ -15,7 +15,7 @@ const JPEG_HEAD: usize = 256 << 10;
 pub(in crate::raw) struct Orientation(u8);
 
 impl Orientation {
-    /// As stored.
+    /// No turn.
     pub(in crate::raw) const NONE: Self = Self(1);
 
     /// EXIF's number.
@@ -62,7 +62,7 @@ impl Orientation {
         }
     }
 
-    /// The picture as it is to be shown.
+    /// The picture after the turn.
     pub(super) fn turn(self, samples: Samples) -> Samples {
         if self.number() == 1 {
             return samples;

@@ -156,8 +156,8 @@ fn times_from_0_to_1_need_and_take_the_frame_rate() {
     assert!((recording.fps - 25.0).abs() < 1e-6 && recording.frame_count == FRAMES);
     let times = &recording.cameras[0].times_s;
     assert!((times[3] - 3.0 / 25.0).abs() < 1e-9, "{times:?}");
-    let told: Vec<String> = recording.sources.lines().collect();
-    assert!(told.iter().any(|line| line.contains("`fps` counts")), "{told:?}");
+    let lines: Vec<String> = recording.sources.lines().collect();
+    assert!(lines.iter().any(|line| line.contains("`fps` counts")), "{lines:?}");
     document["fps"] = Value::Null;
     let text = describe(&files(&document)).unwrap_err().to_string();
     assert!(text.contains("from 0 to 1") && text.contains("add `fps`"), "{text}");
@@ -209,7 +209,10 @@ fn a_unit_of_depth_is_no_number_of_units_in_a_metre() {
     let mut document = document();
     document["depth_unit_scale_factor"] = json!(1000.0);
     let text = describe(&files(&document)).unwrap_err().to_string();
-    assert!(text.contains("`depth_unit_scale_factor` is 1000") && text.contains("give 0.001"), "{text}");
+    assert!(
+        text.contains("`depth_unit_scale_factor` is 1000") && text.contains("give 0.001"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -161,7 +161,7 @@ fn depth(
     Ok(taken)
 }
 
-/// File of a camera's tracks; PhysTwin's where there is none.
+/// File of a camera's tracks; PhysTwin's name for it if no file is found.
 fn tracks(files: &Files<'_>, index: usize, name: &str) -> String {
     let named = |folder: &&str| [format!("{folder}/{index}.npz"), format!("{folder}/{name}.npz")];
     let mut all = TRACKS.iter().flat_map(|folder| named(folder));

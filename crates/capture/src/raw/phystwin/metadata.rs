@@ -10,9 +10,9 @@ use crate::{
     Error, Limits,
     raw::{
         Camera, Distortion, Pose,
+        clock::retimed::Clock,
         decode::{DepthUnit, unit_fault},
         realign::{DepthCamera, Lens},
-        retimed::Clock,
         validity,
     },
 };

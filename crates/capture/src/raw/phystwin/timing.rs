@@ -9,9 +9,12 @@ use super::{MARKER, metadata::Metadata};
 use crate::{
     Error, Limits,
     raw::{
-        Camera, Recording, Source, clock,
+        Camera, Recording, Source,
+        clock::{
+            self,
+            retimed::{self, Clock, Retimed},
+        },
         numbering::{self, Images, Numbering},
-        retimed::{self, Clock, Retimed},
         validity,
     },
 };

@@ -1,5 +1,5 @@
-//! Cases of other rigs: cameras of other rates, depth of other units and forms, tracks of other
-//! trackers, images with an orientation, folders of other programs.
+//! Cases of other rigs: cameras of other rates, depth of other units and forms, folders of other
+//! programs.
 
 use bendtwin_core::Severity;
 
@@ -8,12 +8,11 @@ use super::{
     *,
 };
 use crate::{
-    check::testing::pack,
     npy,
-    raw::testing::{color_png, floats_npy, mask_png, png_file},
+    raw::testing::{floats_npy, png_file},
 };
 
-fn told(recording: &Recording) -> String {
+pub(super) fn listed(recording: &Recording) -> String {
     recording.sources.lines().collect::<Vec<_>>().join("\n")
 }
 
@@ -28,7 +27,8 @@ fn with(keys: &str) -> FileMap {
 fn rewrite_depth(files: &mut FileMap, write: impl Fn(&[u16]) -> (Vec<u8>, &'static str)) {
     for camera in 0..2 {
         for frame in 0..FRAMES {
-            let numbers: Vec<u16> = pixels().map(|(c, r)| depth_mm_at(camera, frame, c, r)).collect();
+            let numbers: Vec<u16> =
+                pixels().map(|(c, r)| depth_mm_at(camera, frame, c, r)).collect();
             files.remove(&format!("depth/{camera}/{frame}.npy"));
             let (bytes, ending) = write(&numbers);
             files.insert(format!("depth/{camera}/{frame}.{ending}"), bytes);
@@ -37,9 +37,9 @@ fn rewrite_depth(files: &mut FileMap, write: impl Fn(&[u16]) -> (Vec<u8>, &'stat
 }
 
 #[test]
-fn what_was_taken_is_told() {
+fn what_was_taken_is_listed() {
     let (_guard, recording) = opened(&case());
-    let told = told(&recording);
+    let lines = listed(&recording);
     for part in [
         "colour of left: color/0 (PNG)",
         "depth of right: depth/1 (uint16, 1 is 0.001 m by default)",
@@ -48,7 +48,7 @@ fn what_was_taken_is_told() {
         "mesh: shape/matching/final_mesh.glb (in the world)",
         "split: split.json",
     ] {
-        assert!(told.contains(part), "{told}\nlacks {part}");
+        assert!(lines.contains(part), "{lines}\nlacks {part}");
     }
     assert!(recording.sources.left_out.is_empty());
 }
@@ -74,10 +74,16 @@ fn units_of_depth_may_be_given_for_each_camera() {
 fn units_in_a_metre_are_refused_with_the_reciprocal() {
     for key in ["depth_scale", "depth_unit_m"] {
         let text = message(&with(&format!("\"{key}\": 1000")));
-        assert!(text.contains(&format!("`{key}` is 1000")) && text.contains("give 0.001"), "{text}");
+        assert!(
+            text.contains(&format!("`{key}` is 1000")) && text.contains("give 0.001"),
+            "{text}"
+        );
     }
     for wrong in ["-1", "0", "[0.001, -1]"] {
-        assert_eq!(reason(describe(&with(&format!("\"depth_scale\": {wrong}")))), "INVALID_DOCUMENT");
+        assert_eq!(
+            reason(describe(&with(&format!("\"depth_scale\": {wrong}")))),
+            "INVALID_DOCUMENT"
+        );
     }
 }
 
@@ -93,7 +99,11 @@ fn depth_may_be_float16_and_signed() {
     let (_guard, recording) = opened(&halves);
     let depth = recording.source.frames(0).unwrap().depth(1).unwrap().unwrap();
     assert_eq!((depth.pixels[0], depth.pixels[WIDTH]), (0.0, 0.5));
-    assert!(told(&recording).contains("float16, 1 is 1 m by their size"), "{}", told(&recording));
+    assert!(
+        listed(&recording).contains("float16, 1 is 1 m by their size"),
+        "{}",
+        listed(&recording)
+    );
     let mut signed = case();
     rewrite_depth(&mut signed, |numbers| {
         let data: Vec<u8> = numbers.iter().flat_map(|n| i32::from(*n).to_le_bytes()).collect();
@@ -177,7 +187,10 @@ fn a_camera_may_have_half_the_rate() {
         metadata(&mut files, "\"fps\": 30.0", &format!("\"fps\": {rates}"));
         reason(describe(&files))
     };
-    assert_eq!((wrong("[30]"), wrong("[30, 0]"), wrong("[30, 1e-9]")), ("LENGTH_MISMATCH", "LENGTH_MISMATCH", "LENGTH_MISMATCH"));
+    assert_eq!(
+        (wrong("[30]"), wrong("[30, 0]"), wrong("[30, 1e-9]")),
+        ("LENGTH_MISMATCH", "LENGTH_MISMATCH", "LENGTH_MISMATCH")
+    );
 }
 
 #[test]
@@ -192,14 +205,18 @@ fn cameras_may_begin_at_different_times() {
     };
     assert_eq!(shown(0, 0), Some(color_at(0, 1, 0, 0)));
     assert_eq!(shown(1, 0), Some(color_at(1, 0, 0, 0)));
-    let tracks = |camera: usize| recording.source.frames(camera).unwrap().tracks().unwrap().unwrap();
+    let tracks =
+        |camera: usize| recording.source.frames(camera).unwrap().tracks().unwrap().unwrap();
     // In frame t of the case the first track is in row 1 + t.
     assert_eq!((tracks(0).points[0], tracks(1).points[0]), ([6.0, 2.0], [6.0, 1.0]));
     let note = recording.notes.iter().find(|n| n.code == "FRAMES_SHARED").unwrap();
     assert!(note.message.contains("frame 1 became frame 0"), "{}", note.message);
     let text = message(&with("\"frame_offsets\": [0, 9]"));
     assert!(text.contains("no time in common") && text.contains("cameras.md#time"), "{text}");
-    assert_eq!(reason(describe(&with("\"frame_offsets\": [0, 9000000000000000000]"))), "LENGTH_MISMATCH");
+    assert_eq!(
+        reason(describe(&with("\"frame_offsets\": [0, 9000000000000000000]"))),
+        "LENGTH_MISMATCH"
+    );
 }
 
 /// Each camera counts on its own, and `recording` has the times.
@@ -212,7 +229,10 @@ fn images_before_the_alignment_are_assigned_by_their_times() {
             ["color" | "depth" | "mask", "1", ..] if parts.len() > 2 => {
                 let (folder, file) = name.rsplit_once('/').unwrap();
                 let (number, ending) = file.split_once('.').unwrap();
-                files.insert(format!("{folder}/{}.{ending}", number.parse::<u64>().unwrap() + 3), bytes);
+                files.insert(
+                    format!("{folder}/{}.{ending}", number.parse::<u64>().unwrap() + 3),
+                    bytes,
+                );
             }
             _ => drop(files.insert(name, bytes)),
         }
@@ -223,7 +243,8 @@ fn images_before_the_alignment_are_assigned_by_their_times() {
         let entries = (0..FRAMES).map(|i| format!("\"{}\": {}", first + i, time(i, late)));
         entries.collect::<Vec<_>>().join(", ")
     };
-    let recording = format!("\"recording\": {{\"0\": {{{}}}, \"1\": {{{}}}}}", times(0, 0.0), times(3, 0.002));
+    let recording =
+        format!("\"recording\": {{\"0\": {{{}}}, \"1\": {{{}}}}}", times(0, 0.0), times(3, 0.002));
     metadata(&mut files, "\"fps\"", &format!("{recording}, \"fps\""));
     let (_guard, recording) = opened(&files);
     assert_eq!((recording.fps, recording.frame_count), (30.0, FRAMES));
@@ -242,21 +263,28 @@ fn images_before_the_alignment_are_assigned_by_their_times() {
 }
 
 #[test]
-fn depths_beside_each_other_are_chosen_and_told() {
+fn depths_beside_each_other_are_chosen_and_listed() {
     let mut files = case();
     for (name, bytes) in case() {
         if let Some(rest) = name.strip_prefix("depth/") {
             files.insert(format!("depth_ffs/{rest}"), bytes);
         }
     }
-    files.insert("depth_ffs/0/0.npy".into(), floats_npy(&[HEIGHT, WIDTH], vec![0.7; WIDTH * HEIGHT]));
+    files.insert(
+        "depth_ffs/0/0.npy".into(),
+        floats_npy(&[HEIGHT, WIDTH], vec![0.7; WIDTH * HEIGHT]),
+    );
     let (_guard, recording) = opened(&files);
     expect_whole(&recording);
-    assert!(told(&recording).contains("left out: depth_ffs: `depth` was taken for depth"), "{}", told(&recording));
+    assert!(
+        listed(&recording).contains("left out: depth_ffs: `depth` was taken for depth"),
+        "{}",
+        listed(&recording)
+    );
     metadata(&mut files, "\"fps\"", "\"depth_folder\": \"depth_ffs\", \"fps\"");
     let (_guard, recording) = opened(&files);
     assert_eq!(recording.source.frames(0).unwrap().depth(0).unwrap().unwrap().pixels[0], 0.7);
-    assert!(told(&recording).contains("left out: depth: "), "{}", told(&recording));
+    assert!(listed(&recording).contains("left out: depth: "), "{}", listed(&recording));
 }
 
 /// The case with other names of folders.
@@ -278,10 +306,16 @@ fn folders_may_be_named_by_cameras_and_kinds_as_programs_do() {
     let names = ["left", "right"];
     for files in [
         moved(|kind, camera, rest| format!("{kind}/{}/{rest}", names[camera])),
-        moved(|kind, camera, rest| format!("{}/cam{camera}/{rest}", if kind == "color" { "rgb" } else { kind })),
+        moved(|kind, camera, rest| {
+            format!("{}/cam{camera}/{rest}", if kind == "color" { "rgb" } else { kind })
+        }),
         moved(|kind, camera, rest| format!("cam{camera}/{kind}/{rest}")),
         moved(|kind, camera, rest| {
-            format!("camera_{}/{}/{rest}", names[camera], if kind == "color" { "rgb" } else { "depth_raw" })
+            format!(
+                "camera_{}/{}/{rest}",
+                names[camera],
+                if kind == "color" { "rgb" } else { "depth_raw" }
+            )
         }),
     ] {
         let (_guard, recording) = opened(&files);
@@ -295,7 +329,11 @@ fn folders_may_be_named_by_cameras_and_kinds_as_programs_do() {
     let (_guard, recording) = opened(&files);
     expect_whole(&recording);
     let note = recording.notes.iter().find(|n| n.code == "CAMERAS_BY_ORDER").unwrap();
-    assert!(note.severity == Severity::Info && note.message.contains("cam1, cam2"), "{}", note.message);
+    assert!(
+        note.severity == Severity::Info && note.message.contains("cam1, cam2"),
+        "{}",
+        note.message
+    );
 }
 
 #[test]
@@ -304,8 +342,12 @@ fn masks_may_lie_beside_the_images_of_a_camera() {
     for (name, bytes) in case() {
         let parts: Vec<&str> = name.splitn(3, '/').collect();
         let new = match parts.as_slice() {
-            [kind @ ("color" | "depth" | "mask"), camera, rest] => format!("cam{camera}/{kind}/{rest}"),
-            ["mask", info] => format!("cam{}/mask_info.json", info.trim_matches(|c: char| !c.is_ascii_digit())),
+            [kind @ ("color" | "depth" | "mask"), camera, rest] => {
+                format!("cam{camera}/{kind}/{rest}")
+            }
+            ["mask", info] => {
+                format!("cam{}/mask_info.json", info.trim_matches(|c: char| !c.is_ascii_digit()))
+            }
             _ => name.clone(),
         };
         files.insert(new, bytes);
@@ -322,19 +364,22 @@ fn poses_may_be_a_dictionary_by_name() {
         files.insert("calibrate.pkl".into(), pickled(&[LOOKING_DOWN, second]));
         describe(&files).unwrap().cameras
     };
-    for names in [["left", "right"], ["0", "1"], ["cam0", "cam1"], ["camera_left", "camera_right"]] {
+    for names in [["left", "right"], ["0", "1"], ["cam0", "cam1"], ["camera_left", "camera_right"]]
+    {
         let mut files = case();
         files.remove("calibrate.pkl");
         let json = serde_json::json!({names[1]: second, names[0]: LOOKING_DOWN});
         files.insert("calibrate.json".into(), json.to_string().into_bytes());
         let found = describe(&files).unwrap();
         assert_eq!(found.cameras, expected, "{names:?}");
-        assert!(told(&found).contains("by the cameras' names"));
+        assert!(listed(&found).contains("by the cameras' names"));
         // {name: array, ...} in protocol 3: each array is what the list holds.
         let mut pickle = b"\x80\x03}".to_vec();
         for (name, matrix) in [(names[1], second), (names[0], LOOKING_DOWN)] {
             let list = pickled(&[matrix]);
-            pickle.extend([b"X".as_slice(), &(name.len() as u32).to_le_bytes(), name.as_bytes()].concat());
+            pickle.extend(
+                [b"X".as_slice(), &(name.len() as u32).to_le_bytes(), name.as_bytes()].concat(),
+            );
             pickle.extend(&list[3..list.len() - 2]);
             pickle.push(b's');
         }
@@ -349,141 +394,6 @@ fn poses_may_be_a_dictionary_by_name() {
     files.insert("calibrate.json".into(), json.to_string().into_bytes());
     let text = message(&files);
     assert!(text.contains("poses of side, top") && text.contains("left, right"), "{text}");
-}
-
-/// An image with an EXIF orientation before its pixels.
-fn oriented(png: &[u8], orientation: u8) -> Vec<u8> {
-    let mut exif = b"MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".to_vec();
-    exif.extend([orientation, 0, 0, 0, 0, 0, 0]);
-    let mut chunk = b"eXIf".to_vec();
-    chunk.extend(&exif);
-    let crc = crc32fast::hash(&chunk);
-    let mut out = png[..33].to_vec();
-    out.extend((exif.len() as u32).to_be_bytes());
-    out.extend(chunk);
-    out.extend(crc.to_be_bytes());
-    out.extend(&png[33..]);
-    out
-}
-
-fn all_oriented(files: &mut FileMap, orientation: u8, image: impl Fn(usize) -> Vec<u8>) {
-    for frame in 0..FRAMES {
-        files.insert(format!("color/1/{frame}.png"), oriented(&image(frame), orientation));
-    }
-}
-
-#[test]
-fn orientations_that_the_size_does_not_settle_are_refused_until_one_is_chosen() {
-    for orientation in [2, 3, 4] {
-        let mut files = case();
-        all_oriented(&mut files, orientation, |frame| color_png(1, frame));
-        let text = message(&files);
-        assert_eq!(reason(describe(&files)), "IMAGE_TURNED");
-        let number = format!("orientation {orientation}");
-        assert!(text.contains(&number) && text.contains("color/1/0.png") && text.contains("`image_orientation`"), "{text}");
-    }
-    let mut files = case();
-    all_oriented(&mut files, 3, |frame| color_png(1, frame));
-    metadata(&mut files, "\"fps\"", "\"image_orientation\": \"stored\", \"fps\"");
-    let (_guard, recording) = opened(&files);
-    expect_whole(&recording);
-    let note = recording.notes.iter().find(|n| n.code == "IMAGE_TURNED").unwrap();
-    assert!(note.message.contains("180 degrees") && note.cameras == [1], "{}", note.message);
-    metadata(&mut files, "\"stored\"", "\"shown\"");
-    let (_guard, recording) = opened(&files);
-    let color = recording.source.frames(1).unwrap().color(2).unwrap().unwrap();
-    assert_eq!(color.get(0, 0), Some(color_at(1, 2, WIDTH - 1, HEIGHT - 1)));
-    metadata(&mut files, "\"shown\"", "\"upright\"");
-    assert_eq!(reason(describe(&files)), "INVALID_DOCUMENT");
-}
-
-#[test]
-fn orientations_that_the_size_settles_are_told() {
-    // Stored upright: the camera's size is that of the file.
-    let mut files = case();
-    all_oriented(&mut files, 6, |frame| color_png(1, frame));
-    let (_guard, recording) = opened(&files);
-    expect_whole(&recording);
-    let note = recording.notes.iter().find(|n| n.code == "IMAGE_TURNED").unwrap();
-    assert!(note.message.contains("orientation 6") && note.message.contains("as stored"), "{}", note.message);
-    // Stored on its side, to be turned clockwise: pixel (c, r) is shown at (bottom - r, c).
-    let mut files = case();
-    all_oriented(&mut files, 6, |frame| {
-        let rows = (0..WIDTH).flat_map(|row| (0..HEIGHT).map(move |column| (column, row)));
-        let shown = rows.flat_map(|(column, row)| color_at(1, frame, WIDTH - 1 - row, column));
-        png_file(HEIGHT, WIDTH, ::png::ColorType::Rgb, false, &shown.collect::<Vec<u8>>())
-    });
-    let (_guard, recording) = opened(&files);
-    expect_whole(&recording);
-    let note = recording.notes.iter().find(|n| n.code == "IMAGE_TURNED").unwrap();
-    assert!(note.message.contains("as shown"), "{}", note.message);
-}
-
-#[test]
-fn an_orientation_in_the_middle_of_a_recording_is_refused() {
-    let mut files = case();
-    files.insert("color/0/2.png".into(), oriented(&color_png(0, 2), 3));
-    let (_guard, recording) = opened(&files);
-    let mut frames = recording.source.frames(0).unwrap();
-    assert_eq!(reason(frames.color(2)), "IMAGE_TURNED");
-    assert!(frames.color(1).unwrap().is_some());
-}
-
-/// Tracks of camera 0 in another form.
-fn tracked(arrays: &[(&str, Vec<u8>)]) -> (tempfile::TempDir, Recording) {
-    let mut files = case();
-    let inner: FileMap = arrays.iter().map(|(n, b)| (format!("{n}.npy"), b.clone())).collect();
-    files.insert("cotracker/0.npz".into(), pack(&inner));
-    // The object is in the columns 5 to 7: a place that rows do not have.
-    for frame in 0..FRAMES {
-        files.insert(format!("mask/0/0/{frame}.png"), mask_png(5..8));
-        (1..4).for_each(|part| drop(files.insert(format!("mask/0/{part}/{frame}.png"), mask_png(0..0))));
-    }
-    opened(&files)
-}
-
-#[test]
-fn tracks_of_other_trackers_are_read() {
-    // Two tracks at (6, 1 + t) and (7, 2), as x, y.
-    let at = |track: usize, frame: usize| if track == 0 { [6.0, 1.0 + frame as f32] } else { [7.0, 2.0] };
-    let by_frame = |of: &dyn Fn([f32; 2]) -> [f32; 2]| -> Vec<f32> {
-        (0..FRAMES).flat_map(|t| [at(0, t), at(1, t)]).flat_map(of).collect()
-    };
-    let by_track = |of: &dyn Fn([f32; 2]) -> [f32; 2]| -> Vec<f32> {
-        (0..2).flat_map(|n| (0..FRAMES).map(move |t| at(n, t))).flat_map(of).collect()
-    };
-    let scaled = |[x, y]: [f32; 2]| [(x + 0.5) / WIDTH as f32, (y + 0.5) / HEIGHT as f32];
-    let flags = |shape: &[usize], value: u8| npy::write("|b1", shape, &vec![value; FRAMES * 2]);
-    let cases: [(&str, Vec<u8>, &str, Vec<u8>, &str); 6] = [
-        ("tracks", floats_npy(&[FRAMES, 2, 2], by_frame(&|p| p)), "visibility", flags(&[FRAMES, 2], 1), "as x, y"),
-        ("pred_tracks", floats_npy(&[1, FRAMES, 2, 2], by_frame(&|p| p)), "pred_visibility", flags(&[1, FRAMES, 2], 1), "as x, y"),
-        ("tracks", floats_npy(&[2, FRAMES, 2], by_track(&|p| p)), "visibles", flags(&[2, FRAMES], 1), "[N, T, 2] as x, y"),
-        ("points", floats_npy(&[2, FRAMES, 2], by_track(&scaled)), "occluded", flags(&[2, FRAMES], 0), "shares of the image's size"),
-        ("tracks", floats_npy(&[FRAMES, 2, 2], by_frame(&|[x, y]| [y, x])), "visibility", flags(&[FRAMES, 2], 1), "as row, column"),
-        (
-            "tracks",
-            floats_npy(&[FRAMES, 2, 2], by_frame(&|p| p)),
-            "visibility",
-            floats_npy(&[FRAMES, 2, 1], vec![0.9; FRAMES * 2]),
-            "as x, y",
-        ),
-    ];
-    for (points, positions, visible, flags, form) in cases {
-        let (_guard, recording) = tracked(&[(points, positions), (visible, flags)]);
-        let tracks = recording.source.frames(0).unwrap().tracks().unwrap().unwrap();
-        assert_eq!(tracks.count, 2, "{form}");
-        for frame in 0..FRAMES {
-            for track in 0..2 {
-                let (found, expected) = (tracks.points[2 * frame + track], at(track, frame));
-                let off = (found[0] - expected[0]).hypot(found[1] - expected[1]);
-                assert!(off < 1e-4 && tracks.visible[2 * frame + track], "{form}: {found:?} {expected:?}");
-            }
-        }
-        let told = told(&recording);
-        assert!(told.contains("tracks of left: cotracker/0.npz") && told.contains(form), "{told}\nlacks {form}");
-    }
-    let (_guard, recording) = tracked(&[("tracks", floats_npy(&[FRAMES, 2, 2], by_frame(&|p| p)))]);
-    assert_eq!(reason(recording.source.frames(0).unwrap().tracks()), "MISSING_ARRAY");
 }
 
 #[test]
@@ -501,7 +411,9 @@ fn depth_of_another_camera_needs_both_its_lens_and_its_place() {
         assert_eq!(reason(describe(&with(&keys))), "INVALID_DOCUMENT", "{keys}");
     }
     for keys in [
-        format!("\"depth_intrinsics\": {lens}, \"depth_pose\": [[1, 0, 0, 20], [0, 1, 0, 0], [0, 0, 1, 0]]"),
+        format!(
+            "\"depth_intrinsics\": {lens}, \"depth_pose\": [[1, 0, 0, 20], [0, 1, 0, 0], [0, 0, 1, 0]]"
+        ),
         "\"depth_intrinsics\": [[0, 0, 3.5], [0, 5, 2.5], [0, 0, 1]]".to_owned(),
     ] {
         assert_eq!(reason(describe(&with(&keys))), "INVALID_CAMERA", "{keys}");

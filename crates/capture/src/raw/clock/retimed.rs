@@ -1,22 +1,24 @@
-//! Frames of cameras that recorded at rates of their own, or began at different times, on the frames
-//! that all share.
+//! Cameras that recorded at different rates, or began at different times, on common frames.
 
 use std::{ops::Range, sync::Arc};
 
-use super::{ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks, tracks::BYTES};
-use crate::{Error, Limits, files::at_most};
+use crate::{
+    Error, Limits,
+    files::at_most,
+    raw::{ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks, tracks::BYTES},
+};
 
 /// A camera's clock against the recording's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Clock {
+pub(in crate::raw) struct Clock {
     /// Frames of the recording for each of the camera's images: 2 for a camera of half the rate.
-    pub(super) frames_per_image: f64,
+    pub(in crate::raw) frames_per_image: f64,
     /// Frame of the recording in which the camera's image 0 was taken.
-    pub(super) offset: i64,
+    pub(in crate::raw) offset: i64,
 }
 
 /// Most frames by which a camera may have begun earlier or later.
-const MAX_OFFSET: i64 = 100_000;
+const MAX_OFFSET: u64 = 100_000;
 
 impl Clock {
     /// The clocks of `cameras` cameras by their rates and offsets, each of which may be missing; `None`
@@ -24,7 +26,10 @@ impl Clock {
     ///
     /// # Errors
     /// If a rate is no number above 0, or so low that frames are beyond counting.
-    pub(super) fn of(rates: &[f64], offsets: &[i64]) -> Result<Option<(f64, Vec<Self>)>, Error> {
+    pub(in crate::raw) fn of(
+        rates: &[f64],
+        offsets: &[i64],
+    ) -> Result<Option<(f64, Vec<Self>)>, Error> {
         let fps = rates.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let is_plain = rates.iter().all(|rate| *rate == fps) && offsets.iter().all(|o| *o == 0);
         if is_plain {
@@ -36,7 +41,7 @@ impl Clock {
                 "a camera has {rate} frames per second, another {fps}: give the true rates"
             )));
         }
-        if let Some(offset) = offsets.iter().find(|o| o.abs() > MAX_OFFSET) {
+        if let Some(offset) = offsets.iter().find(|o| o.unsigned_abs() > MAX_OFFSET) {
             return Err(Error::Lengths(format!(
                 "a camera is {offset} frames off: give the frame of the recording in which its first image was taken"
             )));
@@ -48,12 +53,12 @@ impl Clock {
     }
 
     /// Frame of the recording in which an image was taken.
-    pub(super) fn frame(self, image: usize) -> i64 {
+    pub(in crate::raw) fn frame(self, image: usize) -> i64 {
         (image as f64 * self.frames_per_image).round() as i64 + self.offset
     }
 
     /// Images by the frames `0..frame_count`, of `images` images.
-    pub(super) fn by_frame(self, images: usize, frame_count: usize) -> Vec<Option<usize>> {
+    pub(in crate::raw) fn by_frame(self, images: usize, frame_count: usize) -> Vec<Option<usize>> {
         let mut by_frame = vec![None; frame_count];
         for image in 0..images {
             let place = usize::try_from(self.frame(image)).ok().and_then(|f| by_frame.get_mut(f));
@@ -65,14 +70,14 @@ impl Clock {
 
 /// Images of each camera by the frames of a recording, shape [camera][T]: an index into the source's own
 /// frames, or nothing.
-pub(super) type Images = Vec<Vec<Option<usize>>>;
+pub(in crate::raw) type Images = Vec<Vec<Option<usize>>>;
 
 /// Frames from the first to the last in which every camera has an image: a twin begins where all see the
 /// object.
 ///
 /// # Errors
-/// If there is none.
-pub(super) fn shared(images: &Images) -> Result<Range<usize>, Error> {
+/// If no frame has an image of every camera.
+pub(in crate::raw) fn shared(images: &Images) -> Result<Range<usize>, Error> {
     let has = |image: &Option<usize>| image.is_some();
     let start = images.iter().map(|of| of.iter().position(has)).max().flatten();
     let last = |of: &Vec<Option<usize>>| of.iter().rposition(has);
@@ -90,7 +95,7 @@ pub(super) fn shared(images: &Images) -> Result<Range<usize>, Error> {
 
 /// A source whose frames are chosen from those of another.
 #[derive(Debug)]
-pub(super) struct Retimed {
+pub(in crate::raw) struct Retimed {
     source: Arc<dyn Source>,
     images: Images,
     /// Most bytes of tracks.
@@ -102,7 +107,7 @@ impl Retimed {
     ///
     /// # Errors
     /// If there are more frames than a recording may have.
-    pub(super) fn new(
+    pub(in crate::raw) fn new(
         source: Arc<dyn Source>,
         images: Images,
         limits: &Limits,

@@ -4,34 +4,39 @@
 
 use bendtwin_core::{Finding, Problem as _};
 
-use super::{
-    Camera,
-    decode::{
-        self, Turn,
-        orientation::{self, Orientation},
+use super::{Names, StoredFrames};
+use crate::{
+    Error, Sources,
+    files::Files,
+    limits::Budget,
+    raw::{
+        Camera,
+        decode::{
+            self, Turn,
+            orientation::{self, Orientation},
+        },
     },
-    stored::{Names, StoredFrames},
 };
-use crate::{Error, Sources, files::Files, limits::Budget};
 
 /// Names that are tried until a file is found: a list may name files that are not there.
 const MAX_TRIED: usize = 1000;
 
 /// Forms of one camera's files in words; empty if they could not be read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Forms {
-    pub(super) color: String,
-    pub(super) depth: String,
-    /// None if there are no tracks.
-    pub(super) tracks: Option<String>,
+pub(in crate::raw) struct Forms {
+    pub(in crate::raw) color: String,
+    pub(in crate::raw) depth: String,
+    /// Absent if there are no tracks.
+    pub(in crate::raw) tracks: Option<String>,
 }
 
 /// Looks into the files of all cameras, and settles what counts of colour images that declare an
-/// orientation; `chosen` is what the description says of these.
+/// orientation; `chosen` is the description's choice.
 ///
 /// # Errors
-/// If no image says how an orientation is meant, or all depth that was looked at is none.
-pub(super) fn look(
+/// If an orientation leaves open which pixels count, or if all files of depth that were read hold something
+/// else.
+pub(in crate::raw) fn look(
     source: &mut StoredFrames,
     cameras: &[Camera],
     chosen: Option<Turn>,
@@ -54,7 +59,7 @@ pub(super) fn look(
 }
 
 /// Parses the key that says how orientations are meant.
-pub(super) fn chosen_turn(value: Option<&str>, at: &str) -> Result<Option<Turn>, Error> {
+pub(in crate::raw) fn chosen_turn(value: Option<&str>, at: &str) -> Result<Option<Turn>, Error> {
     match value {
         None => Ok(None),
         Some("stored") => Ok(Some(Turn::Stored)),
@@ -69,7 +74,7 @@ pub(super) fn chosen_turn(value: Option<&str>, at: &str) -> Result<Option<Turn>,
 }
 
 /// Adds what was found of each camera to what was taken.
-pub(super) fn tell(
+pub(in crate::raw) fn tell(
     sources: &mut Sources,
     cameras: &[Camera],
     forms: &[Forms],
@@ -177,7 +182,7 @@ fn existing(files: &Files<'_>, names: &Names, frames: std::ops::Range<usize>) ->
     named.find(|name| files.has(name)).map(std::borrow::Cow::into_owned)
 }
 
-/// A file's name and content; none if it cannot be read, which is told when its frame is read.
+/// A file's name and content; none if it cannot be read: its frame reports that.
 fn read(files: &mut Files<'_>, name: String, cap: u64) -> Option<(String, Vec<u8>)> {
     let bytes = files.find_within(&name, cap).ok().flatten()?;
     Some((name, bytes))
