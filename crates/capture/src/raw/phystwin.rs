@@ -111,7 +111,8 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         sources,
         source: Arc::new(stored),
     };
-    timing.apply(&mut recording, &mut cameras, &files.limits)?;
+    let has_split = files.has("split.json");
+    timing.apply(&mut recording, &mut cameras, has_split, &files.limits)?;
     recording.cameras = cameras;
     Ok(recording)
 }

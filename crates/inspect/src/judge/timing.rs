@@ -134,25 +134,27 @@ fn rounded(fps: f64) -> f64 {
     (fps * 100.0).round() / 100.0
 }
 
-/// Repeats: true where a camera shows the same in a frame as in the one before, shape [camera][T].
-fn repeats(scans: &[CameraScan]) -> Vec<Vec<bool>> {
+/// Repeats: true where a camera shows the same in a frame as in the one before, `None` where it lacks
+/// one of both, shape [camera][T].
+fn repeats(scans: &[CameraScan]) -> Vec<Vec<Option<bool>>> {
     let same = |(before, now): (&FrameStats, &FrameStats)| {
-        let color = now.color.is_some() && before.color == now.color;
+        let color = before.color? == now.color?;
         let depth = now.depth.is_none() || before.depth == now.depth;
-        color && depth
+        Some(color && depth)
     };
     let one = |scan: &CameraScan| {
         let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1));
-        std::iter::once(false).chain(pairs.map(same)).take(scan.frames.len()).collect()
+        std::iter::once(Some(false)).chain(pairs.map(same)).take(scan.frames.len()).collect()
     };
     scans.iter().map(one).collect()
 }
 
 /// True for a pause: a still scene without noise looks like repeated frames in all cameras, but
-/// counts as a pause if it lasts or if it is the beginning or the end.
-fn is_pause(same: &[Vec<bool>], frame: usize, min_pause_frames: usize) -> bool {
+/// counts as a pause if it lasts or if it is the beginning or the end. A camera without images there
+/// says nothing.
+fn is_pause(same: &[Vec<Option<bool>>], frame: usize, min_pause_frames: usize) -> bool {
     let frames = same.iter().map(Vec::len).max().unwrap_or(0);
-    let all = |f: usize| same.iter().all(|camera| camera.get(f) == Some(&true));
+    let all = |f: usize| same.iter().all(|camera| camera.get(f).is_some_and(|s| *s != Some(false)));
     if !all(frame) {
         return false;
     }
@@ -161,13 +163,20 @@ fn is_pause(same: &[Vec<bool>], frame: usize, min_pause_frames: usize) -> bool {
     first <= 1 || last + 1 == frames || last - first + 1 >= min_pause_frames
 }
 
-fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment: &mut Assessment) {
+fn repeated(
+    context: &Context<'_>,
+    index: usize,
+    same: &[Vec<Option<bool>>],
+    assessment: &mut Assessment,
+) {
     let limits = &context.thresholds.timing;
     let Some(own) = same.get(index) else { return };
     let frames: Vec<usize> = own
         .iter()
         .enumerate()
-        .filter(|(f, repeats)| **repeats && !is_pause(same, *f, limits.min_pause_frames))
+        .filter(|(f, repeats)| {
+            **repeats == Some(true) && !is_pause(same, *f, limits.min_pause_frames)
+        })
         .map(|(f, _)| f)
         .collect();
     if frames.len() > limits.max_repeats {

@@ -117,11 +117,13 @@ impl Timing {
         Ok(Self { fps, numbering, notes, order: Some(order) })
     }
 
-    /// Brings a recording, whose frames are the numbers of images, onto its frames.
+    /// Brings a recording, whose frames are the numbers of images, onto its frames. With a split its frame
+    /// stays where it is; otherwise the share of frames for fitting does.
     pub(super) fn apply(
         self,
         recording: &mut Recording,
         cameras: &mut [Camera],
+        has_split: bool,
         limits: &Limits,
     ) -> Result<(), Error> {
         let Some(Order { images, frames, rates, times }) = self.order else { return Ok(()) };
@@ -131,12 +133,12 @@ impl Timing {
                 frames.start * points..(frames.end * points).min(recording.truth_tracks.len());
             recording.truth_tracks = recording.truth_tracks.get(kept).unwrap_or_default().to_vec();
         }
-        let share = recording.train_frame_count as f64 / recording.frame_count.max(1) as f64;
-        let train = recording.train_frame_count.saturating_sub(frames.start).min(frames.len());
-        // Without a split of its own the share of all frames counts.
-        let has_split = recording.sources.taken.iter().any(|taken| taken.part == "split");
-        let share = (share * frames.len() as f64).round() as usize;
-        recording.train_frame_count = if has_split { train } else { share };
+        recording.train_frame_count = if has_split {
+            recording.train_frame_count.saturating_sub(frames.start).min(frames.len())
+        } else {
+            let share = recording.train_frame_count as f64 / recording.frame_count.max(1) as f64;
+            (share * frames.len() as f64).round() as usize
+        };
         recording.frame_count = frames.len();
         for (index, camera) in cameras.iter_mut().enumerate() {
             camera.fps = rates.get(index).copied().filter(|rate| *rate != recording.fps);
@@ -178,7 +180,8 @@ impl Order {
             return None;
         }
         let message = format!(
-            "by the cameras' rates and offsets all of them have frames {start} to {}: frame {start} became frame 0",
+            "by the cameras' rates and offsets the frames that all of them have are {start} to {}; the first of these is \
+             frame 0 of the recording",
             end.saturating_sub(1)
         );
         Some(Finding::info("FRAMES_SHARED", message))

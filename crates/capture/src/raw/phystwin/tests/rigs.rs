@@ -210,7 +210,7 @@ fn cameras_may_begin_at_different_times() {
     // In frame t of the case the first track is in row 1 + t.
     assert_eq!((tracks(0).points[0], tracks(1).points[0]), ([6.0, 2.0], [6.0, 1.0]));
     let note = recording.notes.iter().find(|n| n.code == "FRAMES_SHARED").unwrap();
-    assert!(note.message.contains("frame 1 became frame 0"), "{}", note.message);
+    assert!(note.message.contains("have are 1 to 3;"), "{}", note.message);
     let text = message(&with("\"frame_offsets\": [0, 9]"));
     assert!(text.contains("no time in common") && text.contains("cameras.md#time"), "{text}");
     assert_eq!(
