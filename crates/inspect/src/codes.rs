@@ -162,6 +162,9 @@ codes! {
     FramesDropped "FRAMES_DROPPED",
         "frames are missing",
         "record to a faster disk or fewer pixels; fewer USB cameras on one controller";
+    CameraSlower "CAMERA_SLOWER",
+        "a camera records at a lower rate than the others",
+        "nothing: the other cameras show what happens between its frames (docs/use/cameras.md#time)";
     FramesSkipped "FRAMES_SKIPPED",
         "motion jumps although no frame is missing",
         "keep the numbers of dropped frames free instead of closing up";
@@ -243,9 +246,6 @@ codes! {
     ObjectAboveGround "OBJECT_ABOVE_GROUND",
         "the object never comes near the ground",
         "check the ground's height, unless the object hangs freely";
-    CameraSlower "CAMERA_SLOWER",
-        "a camera recorded at a lower rate than the others",
-        "nothing: the frames between have no images of it";
     SingleCamera "SINGLE_CAMERA",
         "one camera sees one side",
         "add a second camera opposite, or a mesh of the object";

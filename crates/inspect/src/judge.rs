@@ -8,7 +8,6 @@ mod depth;
 mod masks;
 mod motion;
 mod paths;
-mod rate;
 mod recording;
 mod scale;
 mod skew;

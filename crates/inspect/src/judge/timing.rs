@@ -1,11 +1,13 @@
-//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate.
+//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate. A camera
+//! that gives every second frame records at half the rate, and drops none: see [`rhythm`].
+
+mod closed_up;
+mod rhythm;
 
 use bendtwin_capture::raw::Camera;
 
-use super::{
-    Assessment, Context, named,
-    rate::{OwnRate, own_rate},
-};
+use self::rhythm::Rhythm;
+use super::{Assessment, Context, named};
 use crate::{
     Code, Finding,
     scan::{CameraScan, FrameStats},
@@ -31,34 +33,15 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
     let missing: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
+    let rhythm = slower(context, index, scan, assessment);
+    let is_due = |frame: &usize| rhythm.as_ref().is_none_or(|rhythm| rhythm.is_due(*frame));
     // Files that exist but are damaged have a separate finding.
     let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
-    let mut frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
+    let frames: Vec<usize> = missing.iter().copied().filter(|f| is_due(f) && !damaged(f)).collect();
     let all = scan.frames.len();
-    if let Some(rate) = slower(context, index, all) {
-        let own = context.recording.fps / rate.frames_per_image;
-        let message = format!(
-            "{} recorded at {} fps, the recording has {}",
-            named(context.recording, index),
-            rounded(own),
-            rounded(context.recording.fps)
-        );
-        let finding = Finding::info(Code::CameraSlower, message).cameras([index]);
-        assessment.findings.push(finding.number("fps", own));
-        frames = rate.dropped.into_iter().filter(|f| !damaged(f)).collect();
-    } else if let Some(ratio) = closed_up(context, index, all) {
-        let message = format!(
-            "{} has {} images and the recording {all} frames, as a camera of {} fps has if its images are numbered one after \
-             another",
-            named(context.recording, index),
-            all - frames.len(),
-            rounded(context.recording.fps / ratio)
-        );
-        let finding = Finding::error(Code::CameraRateUnclear, message).cameras([index]);
-        assessment.findings.push(finding.number("ratio", ratio));
-        frames.clear();
-    }
-    if !frames.is_empty() && frames.len() < all {
+    if let Some(finding) = closed_up::judge(context, index) {
+        assessment.findings.push(finding);
+    } else if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
         let ends = frames.len() >= limits.min_cut_frames
             && frames.iter().rev().zip((0..all).rev()).all(|(f, end)| *f == end);
@@ -90,48 +73,34 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     }
 }
 
-/// Frames in which a camera has colour and depth, or files that are damaged.
-fn present(scan: &CameraScan) -> Vec<usize> {
-    let frames = scan.frames.iter().enumerate();
-    let is_there = |(frame, g): (usize, &FrameStats)| {
-        let whole = g.color.is_some() && g.depth.is_some();
-        (whole || scan.damaged_frames.contains(&frame)).then_some(frame)
+/// The rhythm of a camera that records at a lower rate than the recording has, with its finding.
+fn slower(
+    context: &Context<'_>,
+    index: usize,
+    scan: &CameraScan,
+    assessment: &mut Assessment,
+) -> Option<Rhythm> {
+    // Colour without depth is no frame that was never taken.
+    let is_there = |g: &FrameStats| g.color.is_some() || g.depth.is_some();
+    let there: Vec<bool> = scan.frames.iter().map(is_there).collect();
+    let fps = context.recording.fps;
+    let declared = || {
+        let own = context.recording.cameras.get(index)?.fps?;
+        Rhythm::declared(&there, fps, own)
     };
-    frames.filter_map(is_there).collect()
-}
-
-/// `true` if another camera has an image in nearly every frame.
-fn another_is_full(context: &Context<'_>, index: usize, all: usize) -> bool {
-    let others = context.scans.iter().enumerate().filter(|(other, _)| *other != index);
-    let enough = context.thresholds.timing.min_full_share * all as f64;
-    others.into_iter().any(|(_, scan)| present(scan).len() as f64 >= enough)
-}
-
-/// The rate of a camera that is slower than the others.
-fn slower(context: &Context<'_>, index: usize, all: usize) -> Option<OwnRate> {
-    let (camera, scan) = (context.recording.cameras.get(index)?, context.scans.get(index)?);
-    let declared =
-        camera.fps.map(|fps| context.recording.fps / fps).filter(|r| *r > 1.0 && r.is_finite());
-    if declared.is_none() && !another_is_full(context, index, all) {
-        return None;
-    }
-    own_rate(&present(scan), all, declared, &context.thresholds.timing)
-}
-
-/// Ratio of frames to images of a camera that ends early, as one of a lower rate does that numbers its
-/// images one after another.
-fn closed_up(context: &Context<'_>, index: usize, all: usize) -> Option<f64> {
-    let present = present(context.scans.get(index)?);
-    let has_gaps = present.last().is_some_and(|last| last + 1 > present.len() + present.len() / 10);
-    if has_gaps || !another_is_full(context, index, all) {
-        return None;
-    }
-    super::rate::closed_up(&present, all, &context.thresholds.timing)
-}
-
-/// A rate without digits that say nothing.
-fn rounded(fps: f64) -> f64 {
-    (fps * 100.0).round() / 100.0
+    let rhythm = Rhythm::of(&there, fps, &context.thresholds.timing).or_else(declared)?;
+    let name = named(context.recording, index);
+    let message = format!(
+        "{name} recorded at {} fps, the recording has {fps}: it is left out where it has no frame",
+        rhythm.fps
+    );
+    assessment.findings.push(
+        Finding::info(Code::CameraSlower, message)
+            .cameras([index])
+            .number("camera_fps", rhythm.fps)
+            .number("declared_fps", fps),
+    );
+    Some(rhythm)
 }
 
 /// Repeats: true where a camera shows the same in a frame as in the one before, `None` where it lacks
@@ -181,15 +150,23 @@ fn repeated(
         .collect();
     if frames.len() > limits.max_repeats {
         let part = share(frames.len(), own.len());
-        let message = format!(
-            "{} of {} frames of {} ({:.0} %) repeat the frame before",
-            frames.len(),
-            own.len(),
-            named(context.recording, index),
-            100.0 * part
-        );
+        let name = named(context.recording, index);
+        let (count, all) = (frames.len(), own.len());
+        let fresh: Vec<bool> = own.iter().map(|repeats| *repeats != Some(true)).collect();
+        let rhythm = Rhythm::of(&fresh, context.recording.fps, limits);
+        let message = match &rhythm {
+            Some(Rhythm { fps, .. }) => format!(
+                "{name} recorded at {fps} fps: {count} of its {all} frames repeat the frame before"
+            ),
+            None => format!(
+                "{count} of {all} frames of {name} ({:.0} %) repeat the frame before",
+                100.0 * part
+            ),
+        };
+        // Of a slower camera every frame is there, and most of the repeats are nearly right.
+        let is_error = part > limits.max_lost_share && rhythm.is_none();
         assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, Code::FramesDuplicated, message)
+            Finding::graded(is_error, Code::FramesDuplicated, message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("repeated_share", part)
