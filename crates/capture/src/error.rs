@@ -353,6 +353,21 @@ pub enum Error {
         /// The camera's columns and rows.
         needed: [usize; 2],
     },
+    /// A colour image that is to be shown turned.
+    #[error(
+        "`{at}` says by EXIF that it is to be shown {turn} (orientation {number}), and nothing says whether depth, masks and \
+         intrinsics belong to its pixels as stored or as shown: set `image_orientation` beside the cameras' description to \
+         \"stored\" or \"shown\", or write the images anew without EXIF"
+    )]
+    #[problem(InvalidArgument, "IMAGE_TURNED")]
+    Turned {
+        /// The file.
+        at: String,
+        /// The turn in words.
+        turn: &'static str,
+        /// EXIF's number of the turn.
+        number: u8,
+    },
     /// Depth in a frame other than colour's.
     #[error(
         "camera `{camera}`: no depth images have the frame_id of its colour, `{frame_id}` (there is {found}): \

@@ -17,6 +17,7 @@ mod mcap;
 pub(crate) mod nerfstudio;
 mod numbering;
 mod phystwin;
+mod realign;
 mod stored;
 mod supplement;
 #[cfg(test)]
@@ -101,7 +102,7 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
 
 /// `true` if a folder with these files is a raw PhysTwin case.
 pub(crate) fn is_case(contents: &Contents) -> bool {
-    contents.has(phystwin::MARKER) && contents.has_folder("color")
+    phystwin::is_case(contents)
 }
 
 /// Recording of one manipulation by cameras.

@@ -79,8 +79,8 @@ codes! {
         "poses are world-to-camera",
         "invert the matrices: camera-to-world is needed";
     ExtrinsicsAxes "EXTRINSICS_AXES",
-        "poses are for OpenGL's camera axes",
-        "negate the second and third column of the rotations (y down, z into the scene)";
+        "poses are for other camera axes: OpenGL's, or a robot body's",
+        "write rotations for x right, y down, z into the scene: from OpenGL's axes negate the second and third column; from a body's (x forward, y left, z up) take minus the second, minus the third and the first column, or the pose of the optical frame";
     DepthInverted "DEPTH_INVERTED",
         "depth is larger where things are nearer",
         "write depth along the optical axis, not disparities: focal length times baseline over disparity";
@@ -162,9 +162,15 @@ codes! {
     ClocksDrift "CLOCKS_DRIFT",
         "the skew between cameras changes",
         "write a file for every frame, also for dropped ones, or trigger the cameras together";
+    CameraRateUnclear "CAMERA_RATE_UNCLEAR",
+        "a camera has as many images as one of a lower rate, without gaps between them",
+        "give the cameras' rates, as in \"fps\": [30, 15, 30], or number its images by the frame (docs/use/cameras.md#time)";
     FramesDropped "FRAMES_DROPPED",
         "frames are missing",
         "record to a faster disk or fewer pixels; fewer USB cameras on one controller";
+    CameraSlower "CAMERA_SLOWER",
+        "a camera records at a lower rate than the others",
+        "nothing: the other cameras show what happens between its frames (docs/use/cameras.md#time)";
     FramesSkipped "FRAMES_SKIPPED",
         "motion jumps although no frame is missing",
         "keep the numbers of dropped frames free instead of closing up";

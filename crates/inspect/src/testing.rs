@@ -111,6 +111,7 @@ fn camera(name: &str, azimuth_deg: f64) -> Camera {
             translation: eye,
         }],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

@@ -45,7 +45,9 @@ fn main() -> Result<(), Failure> {
     }
     let folder = folder.ok_or("usage: score FOLDER [--set tune|report] [--only NAME]")?;
     std::fs::create_dir_all(&folder)?;
-    println!("| recording | IoU of object | IoU of hand | least of a camera | doubt | s a frame | findings |");
+    println!(
+        "| recording | IoU of object | IoU of hand | least of a camera | doubt | s a frame | findings |"
+    );
     println!("|---|---|---|---|---|---|---|");
     let mut all = Vec::new();
     for take in takes(set == "tune") {
@@ -104,7 +106,11 @@ fn takes(tune: bool) -> Vec<Take> {
             ("thick_bar", Scene::ThickBar, FilmOptions { dyes: wood, take: 3, ..base(15) }),
             ("ring_joining", Scene::Ring, FilmOptions { hands: Hands::Joining, ..base(16) }),
             ("ring_noisy", Scene::Ring, FilmOptions { dyes: dark, noise: 2.0, ..base(17) }),
-            ("bar_four", Scene::Bar, FilmOptions { cameras: 4, size: [640, 480], take: 2, ..base(18) }),
+            (
+                "bar_four",
+                Scene::Bar,
+                FilmOptions { cameras: 4, size: [640, 480], take: 2, ..base(18) },
+            ),
         ]
     };
     let take = |(name, scene, options): (&str, Scene, FilmOptions)| Take {
@@ -130,8 +136,7 @@ fn score(take: &Take, path: &Path) -> Result<[f64; 2], Failure> {
         let mut of_camera = [[0_u64; 2]; 2];
         for frame in 0..recording.frame_count {
             let mut line = Vec::new();
-            for (counts, region) in
-                of_camera.iter_mut().zip([Region::Object, Region::Manipulator])
+            for (counts, region) in of_camera.iter_mut().zip([Region::Object, Region::Manipulator])
             {
                 let (Some(truth), Some(mask)) =
                     (frames.mask(frame, region)?, made.masks.mask(camera, frame, region))
@@ -143,7 +148,10 @@ fn score(take: &Take, path: &Path) -> Result<[f64; 2], Failure> {
                 (0..2).for_each(|k| counts[k] += now[k]);
             }
             if std::env::var_os("EACH").is_some() && frame % 6 == 0 {
-                eprintln!("  camera {camera} frame {frame}: {line:.3?} doubt {:?}", made.doubt[camera][frame]);
+                eprintln!(
+                    "  camera {camera} frame {frame}: {line:.3?} doubt {:?}",
+                    made.doubt[camera][frame]
+                );
             }
         }
         for (all, counts) in pooled.iter_mut().zip(of_camera) {
@@ -170,9 +178,7 @@ fn score(take: &Take, path: &Path) -> Result<[f64; 2], Failure> {
 /// Pixels in both masks and in any.
 fn overlap(a: &Mask, b: &Mask) -> [u64; 2] {
     let both = a.pixels.iter().zip(&b.pixels);
-    both.fold([0, 0], |[both, any], (a, b)| {
-        [both + u64::from(*a && *b), any + u64::from(*a || *b)]
-    })
+    both.fold([0, 0], |[both, any], (a, b)| [both + u64::from(*a && *b), any + u64::from(*a || *b)])
 }
 
 /// A click in the middle of the object, and of each of so many hands.

@@ -94,9 +94,8 @@ impl Backdrop {
                 }
             }
             let farthest = farthest(&mut measured);
-            let far = void(&colors).filter(|(count, _)| {
-                farthest.is_none_or(|(support, ..)| *count > support)
-            });
+            let far = void(&colors)
+                .filter(|(count, _)| farthest.is_none_or(|(support, ..)| *count > support));
             (backdrop.depths[at], backdrop.colors[at]) = match (far, farthest) {
                 (Some((_, color)), _) => (VOID, color),
                 (None, Some((_, depth, color))) => (depth, color),
@@ -158,9 +157,8 @@ fn farthest(samples: &mut [(f32, [u8; 3])]) -> Option<(usize, f32, [u8; 3])> {
 /// The colour that at least two samples without depth agree on, with their number.
 fn void(colors: &[[u8; 3]]) -> Option<(usize, [u8; 3])> {
     let alike = |color: [u8; 3]| {
-        let same = colors.iter().filter(move |c| {
-            color_square(**c, color) <= SAME_COLOR * SAME_COLOR
-        });
+        let same =
+            colors.iter().filter(move |c| color_square(**c, color) <= SAME_COLOR * SAME_COLOR);
         same.copied()
     };
     let most = colors.iter().copied().max_by_key(|color| alike(*color).count())?;

@@ -72,7 +72,8 @@ impl Cells {
         }
         let mut keys = vec![[0; 3]; self.cells.len()];
         self.by_key.iter().for_each(|(key, index)| keys[*index as usize] = *key);
-        let around = || (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| [x, y, z])));
+        let around =
+            || (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| [x, y, z])));
         self.starts = vec![0];
         for (index, key) in keys.iter().enumerate() {
             for step in around() {
@@ -168,7 +169,8 @@ impl Cells {
         let mut reached = vec![false; self.cells.len()];
         let mut queue: Vec<[i32; 3]> = seeds.into_iter().map(|seed| key(seed as usize)).collect();
         while let Some([x, y, z]) = queue.pop() {
-            let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
+            let around =
+                (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
             for [i, j, k] in around {
                 let there = [x + i, y + j, z + k];
                 // A block is visited once.

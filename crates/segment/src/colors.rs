@@ -92,9 +92,8 @@ impl Colors {
 
     /// Mean and covariance of the colours, in bins.
     fn moments(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        let place = |at: usize| {
-            Vector3::from([BINS * BINS, BINS, 1].map(|step| (at / step % BINS) as f64))
-        };
+        let place =
+            |at: usize| Vector3::from([BINS * BINS, BINS, 1].map(|step| (at / step % BINS) as f64));
         let seen = || self.counts.iter().enumerate().filter(|(_, count)| **count > 0.0);
         let total = f64::from(self.total);
         let mean = seen().map(|(at, n)| place(at) * f64::from(*n)).sum::<Vector3<f64>>() / total;

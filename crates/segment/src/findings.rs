@@ -49,7 +49,9 @@ pub(crate) fn alike(looks: &Looks, has_hand: bool, touching: bool, on_table: boo
              there is a guess",
             100.0 * common
         );
-        let advice = format!("record on a table of another colour, or lay a cloth under the object ({GUIDE})");
+        let advice = format!(
+            "record on a table of another colour, or lay a cloth under the object ({GUIDE})"
+        );
         findings.push(
             Finding { advice, ..Finding::warning("OBJECT_LIKE_TABLE", message) }
                 .number("common_colours", common),
@@ -90,18 +92,19 @@ pub(crate) fn doubtful(
                 .frames(frames),
         );
     }
-    for (what, code, seen) in [
-        ("object", "OBJECT_NOT_FOLLOWED", object_seen),
-        ("hand", "HAND_NOT_FOLLOWED", hand_seen),
-    ] {
+    for (what, code, seen) in
+        [("object", "OBJECT_NOT_FOLLOWED", object_seen), ("hand", "HAND_NOT_FOLLOWED", hand_seen)]
+    {
         // A hand that was never marked is never seen, which is said elsewhere.
         if !seen.iter().any(|seen| *seen) {
             continue;
         }
         let lost: Vec<usize> = (0..seen.len()).filter(|t| !seen[*t]).collect();
         if let (Some(first), Some(last)) = (lost.first(), lost.last()) {
-            let message =
-                format!("no camera shows the {what} in {} frames from {first} to {last}", lost.len());
+            let message = format!(
+                "no camera shows the {what} in {} frames from {first} to {last}",
+                lost.len()
+            );
             let advice = format!("if it is there, mark it in one of these frames ({GUIDE})");
             findings.push(
                 Finding { advice, ..Finding::warning(code, message) }.frames(lost.iter().copied()),

@@ -87,8 +87,12 @@ impl Marked {
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
         let has_hand = marks.values().flatten().any(|mark| mark.part == HAND);
-        let mut marked =
-            Self { looks: Looks::new(has_hand), first: usize::MAX, places: Vec::new(), findings: Vec::new() };
+        let mut marked = Self {
+            looks: Looks::new(has_hand),
+            first: usize::MAX,
+            places: Vec::new(),
+            findings: Vec::new(),
+        };
         for (&frame, of_frame) in marks {
             let views = read(lenses, readers, frame)?;
             let mut places = Vec::new();
@@ -98,7 +102,8 @@ impl Marked {
                     return Err(Error::Cancelled);
                 }
                 let lens = &lenses[mark.camera];
-                let pixels = views[mark.camera].as_ref().map(|view| (view, mark.pixels(lens, view)));
+                let pixels =
+                    views[mark.camera].as_ref().map(|view| (view, mark.pixels(lens, view)));
                 let (view, pixels) = pixels.unzip();
                 let (Some(view), Some(pixels)) = (view, pixels) else {
                     marked.findings.push(mark.without_depth(lens, frame));
@@ -344,9 +349,10 @@ impl Follower<'_> {
                 let behind = backdrop.depth(at);
                 let depth = if behind > 0.0 { behind } else { view.depths[at] };
                 let color = backdrop.color(at).unwrap_or(view.colors[at]);
-                let is_low = self.scene.table.is_none_or(|table| {
-                    table.height(place_of(at, depth)) < table.thickness_m
-                });
+                let is_low = self
+                    .scene
+                    .table
+                    .is_none_or(|table| table.height(place_of(at, depth)) < table.thickness_m);
                 // Without a table the backdrop itself, as far as it is not what is seen now.
                 let is_backdrop = self.scene.table.is_some()
                     || (behind > 0.0 && view.depths[at] > 0.0 && view.depths[at] < 0.9 * behind);

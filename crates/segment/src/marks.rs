@@ -35,7 +35,11 @@ pub(crate) struct Mark {
 pub(crate) type Marks = BTreeMap<usize, Vec<Mark>>;
 
 /// The marks that lie in images, and findings about strokes that do not.
-pub(crate) fn place(recording: &Recording, lenses: &[Lens<'_>], strokes: &[Stroke]) -> (Marks, Vec<Finding>) {
+pub(crate) fn place(
+    recording: &Recording,
+    lenses: &[Lens<'_>],
+    strokes: &[Stroke],
+) -> (Marks, Vec<Finding>) {
     let mut marks = Marks::new();
     let mut findings = Vec::new();
     for (index, stroke) in strokes.iter().enumerate() {
@@ -54,7 +58,10 @@ pub(crate) fn place(recording: &Recording, lenses: &[Lens<'_>], strokes: &[Strok
         if middles.is_empty() {
             let [width, height] = [lens.camera.width, lens.camera.height];
             let name = &lens.camera.name;
-            let there = format!("stroke {} lies outside of the {width} x {height} pixels of camera {name}", index + 1);
+            let there = format!(
+                "stroke {} lies outside of the {width} x {height} pixels of camera {name}",
+                index + 1
+            );
             findings.push(outside(there).cameras([camera]).frames([frame]));
             continue;
         }
@@ -66,7 +73,8 @@ pub(crate) fn place(recording: &Recording, lenses: &[Lens<'_>], strokes: &[Strok
 }
 
 fn outside(message: String) -> Finding {
-    let advice = "give pixels as column and row, counted from 0 (docs/use/cameras.md#masks)".to_owned();
+    let advice =
+        "give pixels as column and row, counted from 0 (docs/use/cameras.md#masks)".to_owned();
     Finding { advice, ..Finding::warning("STROKE_OUTSIDE", message) }
 }
 
@@ -87,7 +95,10 @@ fn middles(lens: &Lens<'_>, stroke: &Stroke) -> Vec<usize> {
             let count = (far / step).clamp(1.0, 4096.0) as usize;
             for s in 1..count {
                 let t = s as f64 / count as f64;
-                visit([before[0] + t * (point[0] - before[0]), before[1] + t * (point[1] - before[1])]);
+                visit([
+                    before[0] + t * (point[0] - before[0]),
+                    before[1] + t * (point[1] - before[1]),
+                ]);
             }
         }
         visit(*point);
@@ -134,7 +145,8 @@ impl Mark {
             self.stroke + 1,
             lens.camera.name
         );
-        let advice = "mark a place with depth, away from the rim (docs/use/cameras.md#masks)".to_owned();
+        let advice =
+            "mark a place with depth, away from the rim (docs/use/cameras.md#masks)".to_owned();
         Finding { advice, ..Finding::warning("STROKE_WITHOUT_DEPTH", message) }
             .cameras([self.camera])
             .frames([frame])

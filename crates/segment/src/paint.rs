@@ -245,7 +245,8 @@ fn drop_specks(lens: &Lens<'_>, labels: &mut [u8]) {
     for label in [OBJECT, HAND] {
         let of_label = || parts.iter().filter(move |(l, _)| usize::from(*l) == label);
         let largest = of_label().map(|(_, part)| part.len()).max().unwrap_or(0);
-        let least = (MIN_SPECK as f32).min(0.1 * largest as f32).max(MIN_SPECK_SHARE * largest as f32);
+        let least =
+            (MIN_SPECK as f32).min(0.1 * largest as f32).max(MIN_SPECK_SHARE * largest as f32);
         for (_, part) in of_label().filter(|(_, part)| (part.len() as f32) < least) {
             let becomes = surrounding(lens, labels, part, label as u8);
             part.iter().for_each(|at| labels[*at as usize] = becomes);

@@ -36,9 +36,7 @@ impl Table {
     /// Finds the plane among points; `eyes` are the centres of the cameras, `marked` the places of
     /// strokes. `None` if no plane holds enough of the points near them.
     pub(crate) fn find(points: &[Point], eyes: &[Vector], marked: &[Point]) -> Option<Self> {
-        let is_near = |p: &&Point| {
-            marked.iter().any(|m| distance(wide(**p), wide(*m)) < NEAR_M)
-        };
+        let is_near = |p: &&Point| marked.iter().any(|m| distance(wide(**p), wide(*m)) < NEAR_M);
         let near: Vec<Vector> = points.iter().filter(is_near).map(|p| wide(*p)).collect();
         let step = near.len().div_ceil(MOST_POINTS).max(1);
         let near: Vec<Vector> = near.into_iter().step_by(step).collect();

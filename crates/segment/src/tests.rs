@@ -52,9 +52,8 @@ fn middle(mask: &Mask, taken: &[[f64; 2]]) -> [f64; 2] {
             .filter(|(column, row)| mask.get(*column, *row) == Some(true))
             .count()
     };
-    let free = |x: usize, y: usize| {
-        taken.iter().all(|[a, b]| (a - x as f64).hypot(b - y as f64) > 35.0)
-    };
+    let free =
+        |x: usize, y: usize| taken.iter().all(|[a, b]| (a - x as f64).hypot(b - y as f64) > 35.0);
     let all = (0..mask.pixels.len()).map(|at| (at % mask.width, at / mask.width));
     let inside = all.filter(|(x, y)| mask.get(*x, *y) == Some(true) && free(*x, *y));
     let (x, y) = inside.max_by_key(|(x, y)| around(*x, *y)).unwrap();
@@ -109,8 +108,7 @@ fn a_click_for_the_object_and_one_for_the_hand_mask_a_toy() {
 
 #[test]
 fn two_hands_are_marked_by_a_click_each() {
-    let (truth, recording) =
-        filmed(Scene::Ring, &FilmOptions { hands: Hands::Two, ..options(10) });
+    let (truth, recording) = filmed(Scene::Ring, &FilmOptions { hands: Hands::Two, ..options(10) });
     let made = made(&recording, &clicks(&truth, 0, 2));
     let [object, hand] = overlap(&truth, &made.masks, 0..10);
     assert!(object > 0.85 && hand > 0.85, "{object:.3} {hand:.3}");
@@ -185,7 +183,8 @@ fn work_is_cancelled_within_a_frame() {
 fn strokes_that_mean_nothing_are_named() {
     let (truth, recording) = filmed(Scene::Toy, &options(4));
     let good = clicks(&truth, 0, 1);
-    let stray = |part, camera, frame, x: f64| Stroke { frame, ..Stroke::click(part, camera, x, 0.0) };
+    let stray =
+        |part, camera, frame, x: f64| Stroke { frame, ..Stroke::click(part, camera, x, 0.0) };
     let strays = [
         stray(Part::Hand, 99, 0, 1.0),
         stray(Part::Hand, 0, u32::MAX, 1.0),
@@ -195,7 +194,12 @@ fn strokes_that_mean_nothing_are_named() {
     ];
     let made = made(&recording, &[good.as_slice(), &strays].concat());
     let count = |code: &str| made.findings.iter().filter(|f| f.code == code).count();
-    assert_eq!((count("STROKE_OUTSIDE"), count("STROKE_WITHOUT_DEPTH")), (3, 1), "{:?}", made.findings);
+    assert_eq!(
+        (count("STROKE_OUTSIDE"), count("STROKE_WITHOUT_DEPTH")),
+        (3, 1),
+        "{:?}",
+        made.findings
+    );
     let [object, hand] = overlap(&truth, &made.masks, 0..4);
     assert!(object > 0.85 && hand > 0.8, "{object:.3} {hand:.3}");
 

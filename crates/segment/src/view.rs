@@ -88,7 +88,8 @@ impl<'a> Lens<'a> {
         let Some(color) = frames.color(frame)? else { return Ok(None) };
         let depth = frames.depth(frame)?;
         let fits = |width: usize, height: usize| (width, height) == (camera.width, camera.height);
-        if !fits(color.width, color.height) || !depth.as_ref().is_none_or(|d| fits(d.width, d.height))
+        if !fits(color.width, color.height)
+            || !depth.as_ref().is_none_or(|d| fits(d.width, d.height))
         {
             let found = [color.width, color.height];
             let expected = [camera.width, camera.height];

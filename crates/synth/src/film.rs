@@ -308,6 +308,7 @@ fn around(options: &FilmOptions, frame_count: usize) -> Vec<Camera> {
             distortion: Distortion::None,
             poses: vec![place.pose()],
             times_s: (0..frame_count).map(time).collect(),
+            fps: None,
         }
     };
     let count = options.cameras.clamp(1, OFFSETS.len());

@@ -49,6 +49,11 @@ pub fn masks(data: &[u8]) {
     }
 }
 
+/// `metadata.json` of a raw PhysTwin case, beside images.
+pub fn metadata(data: &[u8]) {
+    recordings::expect_sound(&archives::with(samples::raw_case(), "metadata.json", data.to_vec()));
+}
+
 /// An array of numpy, also as depth on the grids of an ordinary and of a flat image.
 pub fn npy(data: &[u8]) {
     let limits = limits();

@@ -39,6 +39,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },
     Target { name: "masks", run: archives::masks, seeds: seeds::masks },
     Target { name: "mcap", run: recordings::mcap, seeds: seeds::mcap },
+    Target { name: "metadata", run: archives::metadata, seeds: seeds::metadata },
     Target { name: "npy", run: archives::npy, seeds: seeds::npy },
     Target { name: "obj", run: meshes::obj, seeds: seeds::obj },
     Target { name: "pickle", run: archives::pickle, seeds: seeds::pickle },

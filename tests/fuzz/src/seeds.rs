@@ -95,6 +95,10 @@ pub(crate) fn transforms() -> Vec<Vec<u8>> {
     with_damage(vec![documents::transforms()])
 }
 
+pub(crate) fn metadata() -> Vec<Vec<u8>> {
+    with_damage(documents::metadata())
+}
+
 pub(crate) fn png() -> Vec<Vec<u8>> {
     with_faults(vec![samples::png(), samples::depth_png()], images::PNG)
 }

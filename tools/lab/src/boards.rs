@@ -142,6 +142,7 @@ fn camera(rig: u64, index: u64, distance: f64) -> Camera {
         ]),
         poses: vec![looking_at(place, target)],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

@@ -55,6 +55,7 @@ pub(super) fn camera(index: usize, place: [f64; 3]) -> Camera {
         distortion: Distortion::BrownConrady([0.06, -0.12, 0.001, -0.0005, 0.02, 0.0, 0.0, 0.0]),
         poses: vec![looking_at(place, [0.02, 0.01, 0.0])],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

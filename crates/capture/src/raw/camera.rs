@@ -24,6 +24,9 @@ pub struct Camera {
     /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that
     /// are missing, shape [T]; empty if the recording has no times.
     pub times_s: Vec<f64>,
+    /// Frames per second of this camera, if it is known to be lower than that of the recording: the
+    /// frames between have no images of it.
+    pub fps: Option<f64>,
 }
 
 /// A pinhole in pixels: `u = fx x/z + cx`, `v = fy y/z + cy`.

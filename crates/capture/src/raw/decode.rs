@@ -5,18 +5,33 @@ mod depth;
 mod jpeg;
 mod labels;
 pub(super) mod masks;
+pub(super) mod orientation;
 mod png;
 
 pub(super) use self::depth::{
-    DepthUnit, alike, decode as depth, from_png as depth_png, measured, settle as settle_depth,
+    DepthUnit, alike, decode as depth, form as depth_form, from_png as depth_png, measured,
+    settle as settle_depth, unit_fault,
 };
 pub(crate) use self::labels::number as label_number;
 pub(super) use self::labels::{labels, word as label_word};
+use self::orientation::Orientation;
 use super::{ColorImage, Image, Mask};
 use crate::Error;
 
 /// Columns and rows.
 pub(super) type Size = [usize; 2];
+
+/// What counts of colour images that declare an orientation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// No image is known to declare one: an image that does is refused.
+    #[default]
+    Undeclared,
+    /// The pixels as stored.
+    Stored,
+    /// The picture after the declared turn.
+    Shown,
+}
 
 /// Samples of an image of any number of channels.
 pub(super) struct Samples {
@@ -30,7 +45,28 @@ pub(super) struct Samples {
 
 /// Colour from a PNG or JPEG file, recognized by its content.
 pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Error> {
-    let samples = samples(at, bytes, size)?;
+    color_turned(at, bytes, size, Turn::Stored)
+}
+
+/// Colour from a PNG or JPEG file that may declare an orientation; `size` is that after the turn.
+pub(super) fn color_turned(
+    at: &str,
+    bytes: &[u8],
+    size: Size,
+    turn: Turn,
+) -> Result<ColorImage, Error> {
+    let declared = match turn {
+        Turn::Stored => Orientation::NONE,
+        Turn::Undeclared | Turn::Shown => orientation::of(bytes),
+    };
+    if turn == Turn::Undeclared && declared != Orientation::NONE {
+        return Err(Error::Turned {
+            at: at.to_owned(),
+            turn: declared.words(),
+            number: declared.number(),
+        });
+    }
+    let samples = declared.turn(samples(at, bytes, declared.turned_size(size))?);
     let pixels = match samples.channels {
         3 => samples.data.as_chunks().0.to_vec(),
         4 => samples.data.as_chunks().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),

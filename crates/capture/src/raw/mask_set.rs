@@ -12,11 +12,9 @@ use serde_json::json;
 use zip::{ZipWriter, write::SimpleFileOptions};
 
 use super::{
-    ColorImage, DepthImage, Frames, Image, Mask, Recording, Region, Source, Tracks,
-    decode, encode,
-    numbering::{Images, MASK, Numbering},
+    ColorImage, DepthImage, Frames, Image, Mask, Recording, Region, Source, Tracks, encode,
 };
-use crate::{Error, Limits, files::Files, limits::Budget};
+use crate::Error;
 
 /// Names of a camera's folders of masks, and the labels of what they show.
 const FOLDERS: [(&str, Region); 2] = [("object", Region::Object), ("hand", Region::Manipulator)];
@@ -197,39 +195,6 @@ impl MaskSet {
             put(name, bytes.clone())?;
         }
         zip.finish().map_err(packed)?.flush().map_err(io)
-    }
-
-    /// Reads masks in that layout, from a folder or an archive, for the cameras and frames of a
-    /// recording; frame 0 is number 0.
-    ///
-    /// # Errors
-    /// If a file is damaged, of another size than its camera's images, or beyond the limits.
-    pub fn read(path: &Path, recording: &Recording, limits: &Limits) -> Result<Self, Error> {
-        let mut files = Files::open(path, limits)?;
-        let mut set = Self::empty(recording);
-        let mut held = Budget::new(limits);
-        for camera in 0..set.cameras.len() {
-            let size = set.cameras[camera].size;
-            let mut numbered = Vec::new();
-            for (folder, _) in FOLDERS {
-                let names = Images::in_folder(&mut files, &format!("mask/{camera}/{folder}"), MASK)?;
-                numbered.push(names.names(Numbering { first: 0, frame_count: recording.frame_count }));
-            }
-            for frame in 0..recording.frame_count {
-                let mut masks = [None, None];
-                for (mask, names) in masks.iter_mut().zip(&numbered) {
-                    let Some(name) = names.at(frame) else { continue };
-                    files.budget = Budget::new(limits);
-                    let bytes = files.read(&name)?;
-                    *mask = Some(decode::mask(&name, &bytes, size)?);
-                }
-                let [object, hand] = &masks;
-                set.set_masks(camera, frame, object.as_ref(), hand.as_ref());
-                let bytes = set.cameras[camera].frames[frame].as_ref().map_or(0, |r| r.len());
-                held.take(bytes as u64, "the masks")?;
-            }
-        }
-        Ok(set)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Numbers in the names of images: which image belongs to which frame, for any spelling of names
 //! and any first number.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
 use bendtwin_core::Finding;
 
@@ -135,21 +135,6 @@ impl Images {
         Some(finding.cameras([camera]))
     }
 
-    /// `true` if there is an image of this number.
-    pub(super) fn has(&self, number: u64) -> bool {
-        self.by_number.contains_key(&number)
-    }
-
-    /// Gives images other numbers and leaves out those that get none; images none of which gets one
-    /// stay as they are.
-    pub(super) fn renumber(&mut self, numbers: &BTreeMap<u64, u64>) {
-        if self.by_number.keys().any(|number| numbers.contains_key(number)) {
-            let all = std::mem::take(&mut self.by_number).into_iter();
-            self.by_number =
-                all.filter_map(|(number, name)| Some((*numbers.get(&number)?, name))).collect();
-        }
-    }
-
     /// Names in the order of their numbers.
     pub(super) fn in_order(&self) -> impl ExactSizeIterator<Item = &str> {
         self.by_number.values().map(String::as_str)
@@ -157,6 +142,18 @@ impl Images {
 
     pub(super) fn is_empty(&self) -> bool {
         self.by_number.is_empty()
+    }
+
+    /// `true` if there is an image of this number.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.by_number.contains_key(&number)
+    }
+
+    /// Frames from its first image to its last.
+    pub(super) fn span(&self, numbering: Numbering) -> Option<Range<usize>> {
+        let (first, last) = self.range()?;
+        let frame = |number: u64| usize::try_from(number.checked_sub(numbering.first)?).ok();
+        Some(frame(first)?..frame(last)?.saturating_add(1).min(numbering.frame_count))
     }
 
     /// First and last number.
@@ -242,6 +239,16 @@ pub(super) fn align(
         return Err(unlike(all, &format!("{count} frames ({at})")));
     }
     Ok(Numbering { first, frame_count: count })
+}
+
+/// Numbers of images from the smallest to the largest, of cameras that count on their own.
+pub(super) fn span(all: &[&Images], limits: &Limits) -> Result<Numbering, Error> {
+    let ranges = || all.iter().filter_map(|images| images.range());
+    let first = ranges().map(|r| r.0).min().unwrap_or(0);
+    let last = ranges().map(|r| r.1).max().unwrap_or(0);
+    let span = usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1);
+    at_most("frames of a recording", span, limits.recording_frames)?;
+    Ok(Numbering { first, frame_count: span })
 }
 
 /// Refuses a number of frames that is not that of the images.

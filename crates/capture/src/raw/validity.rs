@@ -3,7 +3,10 @@
 
 use bendtwin_core::{FRAME_RATES, geometry};
 
-use super::{Camera, Distortion, Intrinsics, Pose, Recording};
+use super::{
+    Camera, Distortion, Intrinsics, Pose, Recording,
+    realign::{DepthCamera, Lens},
+};
 use crate::{Error, Limits, files::at_most};
 
 /// Largest deviation of rows from orthonormal: calibrations are written with few digits.
@@ -11,6 +14,9 @@ const ORTHONORMAL: f64 = 1e-2;
 
 /// Positions beyond this [m] are no calibration of cameras around a table.
 const FARTHEST_M: f64 = 1e4;
+
+/// A depth sensor farther than this from the colour sensor [m] is another camera.
+const FARTHEST_FROM_COLOR_M: f64 = 2.0;
 
 /// Checks numbers and counts and makes rotations exact.
 ///
@@ -60,6 +66,40 @@ pub(super) fn count(cameras: usize, frames: usize, limits: &Limits) -> Result<()
         )));
     }
     Ok(())
+}
+
+/// The depth camera beside a colour camera, its pose made exact.
+///
+/// # Errors
+/// If its lens or pose is impossible.
+pub(super) fn depth_camera(
+    color: &Camera,
+    depth: Lens,
+    to_color: &Pose,
+    limits: &Limits,
+) -> Result<DepthCamera, Error> {
+    let name = format!("{} (depth)", color.name);
+    check_size(&name, depth.size, limits)?;
+    check_intrinsics(&name, &depth.intrinsics)?;
+    check_distortion(&name, &depth.distortion)?;
+    let colors = Lens {
+        size: [color.width, color.height],
+        intrinsics: color.intrinsics,
+        distortion: color.distortion,
+    };
+    check_intrinsics(&color.name, &colors.intrinsics)?;
+    check_distortion(&color.name, &colors.distortion)?;
+    let [x, y, z] = to_color.translation;
+    if x.hypot(y).hypot(z) > FARTHEST_FROM_COLOR_M {
+        return Err(Error::Camera {
+            camera: name,
+            fault: format!(
+                "its place is {:?} m from the colour camera: give metres, from the depth camera to the colour camera",
+                to_color.translation
+            ),
+        });
+    }
+    Ok(DepthCamera::new(depth, colors, settle_pose(&name, to_color)?))
 }
 
 fn settle_camera(camera: &mut Camera, frames: usize, limits: &Limits) -> Result<(), Error> {

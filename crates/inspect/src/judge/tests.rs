@@ -172,6 +172,14 @@ fn mistakes_with_poses_are_distinguished() {
         one(&all(change), code);
         assert_eq!(one(&alone(change), code).cameras, [2]);
     }
+    // A body's axes: its x is the camera's z, its y the camera's -x, its z the camera's -y.
+    let seen = declared(|r| {
+        for camera in &mut r.cameras {
+            let pose = &mut camera.poses[0];
+            pose.rotation = pose.rotation.map(|[x, y, z]| [z, -x, -y]);
+        }
+    });
+    assert!(one(&seen, "EXTRINSICS_AXES").message.contains("x forward, y left, z up"));
     let seen = declared(|r| {
         let (a, b) = (r.cameras[0].poses.clone(), r.cameras[2].poses.clone());
         (r.cameras[0].poses, r.cameras[2].poses) = (b, a);
@@ -187,6 +195,33 @@ fn mistakes_with_poses_are_distinguished() {
     one(&seen, "EXTRINSICS_MIRRORED");
     one(&declared(|r| r.cameras[0].poses[0].translation[1] = f64::NAN), "EXTRINSICS_INVALID");
     one(&declared(|r| r.cameras[0].intrinsics.fx = 0.0), "INTRINSICS_INVALID");
+}
+
+/// A camera of half the rate has gaps, which are no loss; only where nothing tells its rate is it
+/// refused, once.
+#[test]
+fn a_camera_of_half_the_rate_is_named_and_used() {
+    let seen = shown(|scene| {
+        scene.moments[1]
+            .iter_mut()
+            .enumerate()
+            .filter(|(f, _)| f % 2 == 1)
+            .for_each(|(_, m)| *m = None);
+    });
+    assert_ne!(seen.verdict, Verdict::Unusable, "{:?}", seen.findings);
+    let codes: Vec<&str> = seen.findings.iter().map(|f| f.code.as_str()).collect();
+    assert_eq!(codes, ["CAMERA_SLOWER"], "{:?}", seen.findings);
+    assert!(seen.findings[0].message.contains("recorded at 15 fps"), "{:?}", seen.findings);
+    let seen = shown(|scene| {
+        let moments = &mut scene.moments[1];
+        let half = moments.len() / 2;
+        let closed: Vec<Option<f64>> = moments.iter().copied().step_by(2).collect();
+        moments[..half].copy_from_slice(&closed[..half]);
+        moments[half..].fill(None);
+    });
+    let found = one(&seen, "CAMERA_RATE_UNCLEAR");
+    assert!(found.message.contains("a camera of 15 fps"), "{found:?}");
+    assert!(found.advice.contains("\"fps\": [30, 15, 30]"), "{found:?}");
 }
 
 #[test]

@@ -87,7 +87,12 @@ impl Props {
     }
 
     /// Vertices in a frame: the body where it is, the hands carried, the rest in its place.
-    pub(super) fn posed(&self, body: &[Point], actors: &[Actor], frame: usize) -> Option<Vec<Point>> {
+    pub(super) fn posed(
+        &self,
+        body: &[Point],
+        actors: &[Actor],
+        frame: usize,
+    ) -> Option<Vec<Point>> {
         let mut posed = body.to_vec();
         let ends = self.hands.iter().skip(1).copied().chain([self.table]);
         for ((start, end), actor) in self.hands.iter().zip(ends).zip(actors) {
@@ -116,10 +121,9 @@ impl Props {
 /// A block on the table, away from where hands work.
 fn block() -> Prop {
     let (low, high): (Point, Point) = ([0.22, 0.28, -0.001], [0.32, 0.36, 0.09]);
-    let corner = |k: u32| {
-        std::array::from_fn(|a| if (k >> a) & 1 == 1 { high[a] } else { low[a] })
-    };
-    let sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let corner = |k: u32| std::array::from_fn(|a| if (k >> a) & 1 == 1 { high[a] } else { low[a] });
+    let sides =
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let triangles = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
     Prop { rest: (0..8).map(corner).collect(), triangles: triangles.collect() }
 }

@@ -41,6 +41,7 @@ pub fn film_sheet(film: SheetFilm) -> Recording {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: Sources::default(),
         source: Arc::new(Stage { film, rays }),

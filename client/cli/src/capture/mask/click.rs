@@ -25,7 +25,9 @@ impl FromStr for Click {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || {
-            format!("`{text}` is no click: write CAMERA:X,Y or CAMERA@FRAME:X,Y, as in 0:120,88 or 0@12:120,88")
+            format!(
+                "`{text}` is no click: write CAMERA:X,Y or CAMERA@FRAME:X,Y, as in 0:120,88 or 0@12:120,88"
+            )
         };
         // A camera's name may have colons.
         let (place, pixel) = text.rsplit_once(':').ok_or_else(wrong)?;
@@ -45,7 +47,12 @@ impl FromStr for Click {
 
 impl Click {
     /// The stroke on a part, given the names of all cameras. A name counts more than a number.
-    pub(super) fn stroke(&self, part: Part, radius_px: f64, names: &[&str]) -> anyhow::Result<Stroke> {
+    pub(super) fn stroke(
+        &self,
+        part: Part,
+        radius_px: f64,
+        names: &[&str],
+    ) -> anyhow::Result<Stroke> {
         let named = names.iter().position(|name| *name == self.camera);
         let numbered = || self.camera.parse().ok().filter(|number| *number < names.len());
         let Some(camera) = named.or_else(numbered) else {

@@ -61,11 +61,16 @@ fn masks_are_written_where_the_next_check_reads_them() {
     // What was written is what a later call starts from.
     let strokes = Some(path.join("mask/following.json"));
     let zip = path.with_extension("zip");
-    let more = Mask { strokes, object: Vec::new(), hand: Vec::new(), ..args(&path, CLICKS, Some(zip.clone())) };
+    let more = Mask {
+        strokes,
+        object: Vec::new(),
+        hand: Vec::new(),
+        ..args(&path, CLICKS, Some(zip.clone()))
+    };
     make(&more, &cancel, true).unwrap();
     let recording = raw::open(&path, &Limits::default()).unwrap();
-    let read = raw::MaskSet::read(&zip, &recording, &Limits::default()).unwrap();
-    assert_eq!(read, raw::MaskSet::of(&recording).unwrap());
+    let read = recording.clone().with_mask_files(&zip, &Limits::default()).unwrap();
+    assert_eq!(raw::MaskSet::of(&read).unwrap(), raw::MaskSet::of(&recording).unwrap());
 }
 
 #[test]

@@ -102,7 +102,8 @@ fn replace(
 ) -> anyhow::Result<PathBuf> {
     let at = || format!("cannot write to {}", folder.display());
     fs::create_dir_all(folder).with_context(at)?;
-    let unfinished = tempfile::Builder::new().prefix(".masks").tempdir_in(folder).with_context(at)?;
+    let unfinished =
+        tempfile::Builder::new().prefix(".masks").tempdir_in(folder).with_context(at)?;
     let mut put = |name: &str, bytes: Vec<u8>| {
         let path = unfinished.path().join(name);
         let failed = |source| Error::Io { at: path.display().to_string(), source };

@@ -23,6 +23,7 @@ fn camera(name: &str, poses: Vec<Pose>) -> Camera {
         distortion: Distortion::None,
         poses,
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

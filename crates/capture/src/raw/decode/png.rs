@@ -23,6 +23,20 @@ pub(super) struct Stored {
     pub(super) data: Vec<u8>,
 }
 
+/// Refuses an image that is no depth by its header.
+pub(super) fn expect_depth(at: &str, bytes: &[u8]) -> Result<(), Error> {
+    let (Some(bits), Some(kind)) = (bytes.get(24), bytes.get(25)) else {
+        return Err(damaged(at, "it ends within its header"));
+    };
+    // Gray, and no colours or palette.
+    if (*bits, *kind) == (16, 0) {
+        return Ok(());
+    }
+    let colors = if matches!(kind, 0 | 4) { "gray" } else { "colours" };
+    let found = format!("{colors} of {bits} bits");
+    Err(Error::Dtype { at: at.to_owned(), found, needed: super::depth::NEEDED })
+}
+
 /// Decodes what `check` accepts by its size. `deep` keeps samples of 16 bits, otherwise all become
 /// 8 bits.
 pub(in crate::raw) fn decode(

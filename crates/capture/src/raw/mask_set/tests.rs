@@ -55,12 +55,14 @@ fn an_archive_of_masks_is_read_back() {
     let masks = MaskSet::of(&recording).unwrap();
     let path = folder.path().join("masks.zip");
     masks.write_zip(&path, &[("mask/following.json", b"{}".to_vec())]).unwrap();
-    assert_eq!(MaskSet::read(&path, &recording, &Limits::default()).unwrap(), masks);
+    let limits = Limits::default();
+    let read = recording.clone().with_mask_files(&path, &limits).unwrap();
+    assert_eq!(MaskSet::of(&read).unwrap(), masks);
     let mut files = Files::open(&path, &Limits::default()).unwrap();
     assert_eq!(files.read("mask/following.json").unwrap(), b"{}");
     // Masks of another size are refused before they are decoded.
     let mut narrow = recording;
     narrow.cameras.iter_mut().for_each(|camera| camera.width -= 1);
-    let refused = MaskSet::read(&path, &narrow, &Limits::default());
+    let refused = narrow.with_mask_files(&path, &limits).and_then(|read| MaskSet::of(&read));
     assert!(matches!(refused, Err(Error::ImageSize { .. })));
 }

@@ -109,6 +109,7 @@ pub(super) fn recording(
             distortion,
             poses,
             times_s: taken.iter().map(|i| i.map_or(f64::NAN, |i| seconds(i.ns))).collect(),
+            fps: None,
         });
     }
     let frame_count = aligned.frame_count;

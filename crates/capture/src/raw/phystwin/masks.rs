@@ -181,17 +181,6 @@ impl Found {
         self.cameras.iter().all(|masks| masks.parts.is_empty())
     }
 
-    /// Gives the masks of each camera the numbers of common frames.
-    pub(super) fn renumber(&mut self, frames: &[BTreeMap<u64, u64>]) {
-        for (masks, frames) in self.cameras.iter_mut().zip(frames) {
-            for (_, part) in &mut masks.parts {
-                if let parts::Stored::Images(images) = &mut part.stored {
-                    images.renumber(frames);
-                }
-            }
-        }
-    }
-
     /// Sorts the masks into regions and adds what was understood of them. `chosen` are the labels
     /// that are declared to be the object, `numbering` is that of a camera's images `color`.
     ///

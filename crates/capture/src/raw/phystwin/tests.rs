@@ -1,5 +1,6 @@
 mod calibration;
-mod recordings;
+mod forms;
+mod rigs;
 mod spellings;
 mod tools;
 

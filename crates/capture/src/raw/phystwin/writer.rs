@@ -11,7 +11,7 @@ use bendtwin_mesh::{Mesh, Similarity, write_glb};
 use serde_json::json;
 use zip::{ZipWriter, write::SimpleFileOptions};
 
-use super::{CALIBRATION, DEPTH_UNIT_M, MARKER};
+use super::{DEPTH_UNIT_M, MARKER, poses::CALIBRATION};
 use crate::{
     Error,
     frame::Frame,

@@ -8,6 +8,7 @@ use crate::{
     files::Files,
     raw::{
         ColorImage, DepthImage, Frames, Mask, Recording, Region, Source, Tracks,
+        decode::Turn,
         numbering::{self, Images},
         stored::{CameraFiles, Names, StoredFrames},
     },
@@ -70,10 +71,12 @@ impl Recording {
             CameraFiles {
                 size: [camera.width, camera.height],
                 color: Names::Listed(Vec::new()),
+                turn: Turn::default(),
                 depth: None,
                 object,
                 manipulator,
                 tracks: None,
+                span: None,
             }
         });
         let masks = StoredFrames::new(files, self.frame_count, stored.collect())?;

@@ -57,6 +57,10 @@ pub(super) fn find(
     for folder in places.folders.iter().map(|folder| format!("{folder}/")) {
         candidates.push(format!("{folder}mask_info_{index}.json"));
         candidates.extend(NAMES.iter().map(|name| format!("{folder}{name}.json")));
+        // Beside the masks in the folder of a camera.
+        if let Some((own, _)) = folder.trim_end_matches('/').rsplit_once('/') {
+            candidates.push(format!("{own}/mask_info.json"));
+        }
     }
     candidates.extend(NAMES.iter().map(|name| format!("{root}{name}.json")));
     for at in candidates {
