@@ -20,10 +20,11 @@ use bendtwin_mesh::{Mesh, Similarity, write_glb};
 
 use self::{lens::Reader, props::Prop};
 use super::{
-    MakeOptions, Scene,
+    MakeOptions, Scene, Substance,
     observe::{FPS, Performance, TRAIN_SHARE, perform, spread},
     scene,
     skin::Skin,
+    take,
     texture::normal,
 };
 use crate::Error;
@@ -43,6 +44,12 @@ pub struct FilmOptions {
     pub size: [usize; 2],
     /// `true` if a point tracker ran.
     pub tracks: bool,
+    /// Recording of the object, as [`MakeOptions::take`] counts them.
+    pub take: u32,
+    /// Material of the body.
+    pub material: Substance,
+    /// Angle by which all cameras are turned around the table [degrees].
+    pub turn_deg: f32,
     /// Mesh of the body that lies beside the recording.
     pub shape: Shape,
 }
@@ -68,6 +75,9 @@ impl FilmOptions {
             cameras: 3,
             size: [424, 240],
             tracks: true,
+            take: 0,
+            material: Substance::Foam,
+            turn_deg: 0.0,
             shape: Shape::Aligned,
         }
     }
@@ -99,9 +109,11 @@ pub fn film_with(
         seed: options.seed,
         frames: options.frames,
         tiny: options.tiny,
-        ..MakeOptions::default()
+        take: options.take,
+        material: options.material,
     };
-    let setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
+    let mut setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
+    take::vary(&mut setup, scene, options.take);
     let Performance { poses, trajectory } = perform(&setup, backend)?;
     let skin = Skin::of(&setup.body, setup.distance);
     let n = setup.body.node_count().max(1);
@@ -204,7 +216,7 @@ fn around(options: &FilmOptions, frame_count: usize) -> Vec<Camera> {
     };
     let count = options.cameras.clamp(1, OFFSETS.len());
     let places = OFFSETS.iter().take(count).enumerate().map(|(index, [turn, far, above])| {
-        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn;
+        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn + options.turn_deg;
         let (s, c) = degrees.to_radians().sin_cos();
         let [x, y, z] = TARGET;
         let out = 0.85 * far;

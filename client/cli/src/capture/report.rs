@@ -81,7 +81,12 @@ fn open_and_inspect(path: &Path) -> anyhow::Result<Report> {
 /// The report of the reference, with the findings of all recordings.
 fn look(opened: Opened) -> anyhow::Result<Report> {
     let inspection = match opened {
-        Opened::Observed(capture, _) => inspect_observed(&capture),
+        Opened::Observed(capture, remarks) => {
+            let mut seen = inspect_observed(&capture);
+            seen.sources = remarks.sources.clone();
+            seen.add(remarks);
+            seen
+        }
         Opened::Raw(recording) => {
             let settings = IngestSettings::default();
             let cancel = CancelToken::default();

@@ -27,6 +27,7 @@ use crate::{
     pickle,
 };
 
+pub(crate) use labels::names_manipulator;
 pub use writer::{export_case, write_case};
 
 pub(super) const MARKER: &str = "metadata.json";

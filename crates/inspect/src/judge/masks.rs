@@ -1,11 +1,12 @@
 //! Judge of masks that are missing, empty, inverted, overlapping, or that jump. Exchanged masks
 //! need the other cameras: see `agreement::labels`.
 
-use super::{Assessment, Context, named};
+use super::{Assessment, Context, named, paths::Path};
 use crate::{
     Code, Finding,
     scan::{CameraScan, FrameStats, mask::MaskStats},
     statistics::{median, share},
+    vector::{Vector, distance, pixel_of, to_camera},
 };
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
@@ -29,9 +30,18 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         let message = "the object's mask is empty in every frame of every camera";
         assessment.findings.push(Finding::error(Code::ObjectNotSeen, message));
     }
-    if !any(|g| g.manipulator.is_some_and(|p| p.depth_px > 0)) {
-        let message = "no camera sees a hand or gripper: its masks are missing or empty";
-        assessment.findings.push(Finding::warning(Code::ManipulatorNotSeen, message));
+    forgotten(context, assessment);
+    if let Some(frame) = not_followed(context) {
+        let frames = context.recording.frame_count;
+        let message = format!(
+            "the object is masked in frame {frame} alone, as a click leaves it: {} of {frames} frames have no mask",
+            frames - 1
+        );
+        assessment.findings.push(
+            Finding::error(Code::MasksNotFollowed, message)
+                .frames([frame])
+                .explains(Code::ObjectMaskEmpty),
+        );
     }
     for (index, scan) in context.scans.iter().enumerate() {
         empty(context, index, scan, assessment);
@@ -40,6 +50,63 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         jumps(context, index, scan, assessment);
     }
     exchanged(context, assessment);
+}
+
+/// The hand is not seen. An object that is lifted or pushed by nothing cannot be fitted; one that
+/// falls or swings can.
+fn forgotten(context: &Context<'_>, assessment: &mut Assessment) {
+    // Grippers whose poses were recorded need no masks.
+    if context.recording.sources.taken.iter().any(|taken| taken.part == "grippers") {
+        return;
+    }
+    let hands = || context.scans.iter().flat_map(|l| &l.frames).filter_map(|g| g.manipulator);
+    if hands().any(|hand| hand.depth_px > 0) {
+        return;
+    }
+    let why = if hands().next().is_none() {
+        "no camera has a mask of a hand or gripper"
+    } else if hands().all(|hand| hand.area_px == 0) {
+        "the masks of the hand or gripper are empty in every frame of every camera"
+    } else {
+        "no mask of a hand or gripper has a pixel with depth"
+    };
+    let limits = &context.thresholds.masks;
+    let carried = carried_m(context).filter(|m| *m > limits.carried_m);
+    let but = carried.map_or(String::new(), |metres| {
+        format!(", but the object is moved by {:.0} mm", 1e3 * metres)
+    });
+    let message = format!("{why}{but}");
+    let finding = Finding::graded(carried.is_some(), Code::ManipulatorNotSeen, message);
+    assessment.findings.push(finding.number("carried_mm", 1e3 * carried.unwrap_or(f64::NAN)));
+}
+
+/// How far an object is moved in ways that gravity does not explain: along the ground, or up from
+/// where it was at first [m].
+fn carried_m(context: &Context<'_>) -> Option<f64> {
+    let upright = context.upright;
+    median(context.paths.object.iter().filter_map(|path| {
+        let start = *path.iter().flatten().next()?;
+        let carried = |at: &Vector| {
+            let rise = upright.height(*at) - upright.height(start);
+            let aside = (distance(*at, start).powi(2) - rise.powi(2)).max(0.0).sqrt();
+            aside.max(rise)
+        };
+        path.iter().flatten().map(carried).max_by(f64::total_cmp)
+    }))
+}
+
+/// The only frame in which any camera masks the object, if there is one alone: a click was not followed
+/// through the recording.
+fn not_followed(context: &Context<'_>) -> Option<usize> {
+    if context.recording.frame_count < context.thresholds.masks.min_followed_frames {
+        return None;
+    }
+    let mut masked = context.scans.iter().flat_map(|scan| {
+        let shows = |g: &FrameStats| g.object.is_some_and(|p| p.area_px > 0);
+        scan.frames.iter().enumerate().filter(move |(_, g)| shows(g)).map(|(frame, _)| frame)
+    });
+    let first = masked.next()?;
+    masked.all(|frame| frame == first).then_some(first)
 }
 
 /// Judges labels that are exchanged from some frame on: object and hand jump to each other's place.
@@ -83,6 +150,21 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let frames: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
     let seen = scan.frames.iter().filter(|g| g.color.is_some()).count();
+    let (outside, frames): (Vec<usize>, Vec<usize>) =
+        frames.into_iter().partition(|frame| is_out_of_view(context, index, *frame));
+    if !outside.is_empty() {
+        let message = format!(
+            "the object is out of view of {} in {} of {seen} frames",
+            named(context.recording, index),
+            outside.len()
+        );
+        assessment.findings.push(
+            Finding::info(Code::ObjectOutOfView, message)
+                .cameras([index])
+                .frames(outside.iter().copied())
+                .number("outside_share", share(outside.len(), seen)),
+        );
+    }
     if !frames.is_empty() {
         let part = share(frames.len(), seen);
         let message = format!(
@@ -108,6 +190,26 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     if let Some(report) = assessment.cameras.get_mut(index) {
         report.empty_masks = frames;
     }
+}
+
+/// True if the other cameras see the object where this one does not look.
+fn is_out_of_view(context: &Context<'_>, index: usize, frame: usize) -> bool {
+    let Some(camera) = context.recording.cameras.get(index) else { return false };
+    let seen = |other: usize, path: &Path| {
+        let at = if other == index { None } else { *path.get(frame)? }?;
+        Some(at)
+    };
+    let places: Vec<Vector> =
+        context.paths.object.iter().enumerate().filter_map(|(i, path)| seen(i, path)).collect();
+    let margin = context.thresholds.masks.view_margin;
+    let is_outside = |at: &Vector| {
+        pixel_of(camera, to_camera(camera.pose(frame), *at)).is_none_or(|[x, y]| {
+            let (width, height) = (camera.width as f64, camera.height as f64);
+            let inside = |at: f64, size: f64| at > margin * size && at < (1.0 - margin) * size;
+            !(inside(x, width) && inside(y, height))
+        })
+    };
+    !places.is_empty() && places.iter().all(is_outside)
 }
 
 fn covering(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
@@ -169,8 +271,11 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let pairs = areas.iter().zip(areas.iter().skip(1)).enumerate();
     for (frame, (before, now)) in pairs {
         let (Some(before), Some(now)) = (before, now) else { continue };
-        // Empty masks have a separate finding.
-        if before.min(*now) <= 0.0 || before.max(*now) < small {
+        // Empty masks have a separate finding, and what leaves the view becomes small.
+        let leaves = [frame, frame + 1].iter().any(|f| {
+            scan.frames.get(*f).is_some_and(|g| g.object.is_some_and(|object| object.at_border))
+        });
+        if before.min(*now) <= 0.0 || before.max(*now) < small || leaves {
             continue;
         }
         let ratio = (now / before).max(before / now);

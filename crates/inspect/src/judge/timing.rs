@@ -1,7 +1,11 @@
-//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate.
+//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate. A camera
+//! that gives every second frame records at half the rate, and drops none: see [`rhythm`].
+
+mod rhythm;
 
 use bendtwin_capture::raw::Camera;
 
+use self::rhythm::Rhythm;
 use super::{Assessment, Context, named};
 use crate::{
     Code, Finding,
@@ -28,9 +32,11 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
     let missing: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
+    let rhythm = slower(context, index, scan, assessment);
+    let is_due = |frame: &usize| rhythm.as_ref().is_none_or(|rhythm| rhythm.is_due(*frame));
     // Files that exist but are damaged have a separate finding.
     let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
-    let frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
+    let frames: Vec<usize> = missing.iter().copied().filter(|f| is_due(f) && !damaged(f)).collect();
     let all = scan.frames.len();
     if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
@@ -62,6 +68,32 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     if let Some(report) = assessment.cameras.get_mut(index) {
         report.missing_frames = missing;
     }
+}
+
+/// The rhythm of a camera that records at a lower rate than the recording has, with its finding.
+fn slower(
+    context: &Context<'_>,
+    index: usize,
+    scan: &CameraScan,
+    assessment: &mut Assessment,
+) -> Option<Rhythm> {
+    // Colour without depth is no frame that was never taken.
+    let is_there = |g: &FrameStats| g.color.is_some() || g.depth.is_some();
+    let there: Vec<bool> = scan.frames.iter().map(is_there).collect();
+    let fps = context.recording.fps;
+    let rhythm = Rhythm::of(&there, fps, &context.thresholds.timing)?;
+    let name = named(context.recording, index);
+    let message = format!(
+        "{name} recorded at {} fps, the recording has {fps}: it is left out where it has no frame",
+        rhythm.fps
+    );
+    assessment.findings.push(
+        Finding::info(Code::CameraSlower, message)
+            .cameras([index])
+            .number("camera_fps", rhythm.fps)
+            .number("declared_fps", fps),
+    );
+    Some(rhythm)
 }
 
 /// Repeats: true where a camera shows the same in a frame as in the one before, shape [camera][T].
@@ -102,15 +134,23 @@ fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment:
         .collect();
     if frames.len() > limits.max_repeats {
         let part = share(frames.len(), own.len());
-        let message = format!(
-            "{} of {} frames of {} ({:.0} %) repeat the frame before",
-            frames.len(),
-            own.len(),
-            named(context.recording, index),
-            100.0 * part
-        );
+        let name = named(context.recording, index);
+        let (count, all) = (frames.len(), own.len());
+        let fresh: Vec<bool> = own.iter().map(|repeats| !repeats).collect();
+        let rhythm = Rhythm::of(&fresh, context.recording.fps, limits);
+        let message = match &rhythm {
+            Some(Rhythm { fps, .. }) => format!(
+                "{name} recorded at {fps} fps: {count} of its {all} frames repeat the frame before"
+            ),
+            None => format!(
+                "{count} of {all} frames of {name} ({:.0} %) repeat the frame before",
+                100.0 * part
+            ),
+        };
+        // Of a slower camera every frame is there, and most of the repeats are nearly right.
+        let is_error = part > limits.max_lost_share && rhythm.is_none();
         assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, Code::FramesDuplicated, message)
+            Finding::graded(is_error, Code::FramesDuplicated, message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("repeated_share", part)

@@ -14,6 +14,12 @@ pub(crate) struct TimingThresholds {
     /// Frames for which all cameras stand still together in a scene that pauses; fewer are repeated
     /// frames. Chosen by hand.
     pub(crate) min_pause_frames: usize,
+    /// Frames of a camera from which a rhythm of theirs is no chance. Chosen by hand.
+    pub(crate) min_rhythm_frames: usize,
+    /// Share of a slower camera's frames that may lie beside its rhythm, 0..=1. Chosen by hand.
+    pub(crate) max_off_beat_share: f64,
+    /// Share of the frames of its rhythm that a slower camera has at least, 0..=1. Chosen by hand.
+    pub(crate) min_kept_share: f64,
     /// Share of frames whose depth may repeat while colour changes, 0..=1. Chosen by hand.
     pub(crate) max_unfrozen_share: f64,
     /// Frames whose depth may repeat while colour changes. Chosen by hand.
@@ -38,6 +44,9 @@ impl Default for TimingThresholds {
             min_cut_frames: 3,
             max_repeats: 1,
             min_pause_frames: 3,
+            min_rhythm_frames: 6,
+            max_off_beat_share: 0.05,
+            min_kept_share: 0.75,
             max_unfrozen_share: 0.1,
             max_unfrozen_frames: 2,
             late_intervals: 1.5,
