@@ -186,7 +186,8 @@ fn skewed(
     finding.number("skew_ms", skew_ms)
 }
 
-/// Paths whose short gaps are filled in by straight lines, so that a camera at half the rate of
+/// Paths without what is at an image's border, where the middle of what is seen is not that of the
+/// thing, and whose short gaps are filled in by straight lines, so that a camera at half the rate of
 /// another can be aligned with it.
 struct Filled {
     object: Vec<Path>,
@@ -196,8 +197,17 @@ struct Filled {
 impl Filled {
     fn of(context: &Context<'_>) -> Self {
         let most = context.thresholds.skew.max_gap_frames;
-        let all = |paths: &[Path]| paths.iter().map(|path| without_gaps(path, most)).collect();
-        Self { object: all(&context.paths.object), manipulator: all(&context.paths.manipulator) }
+        let object = context.paths.object.iter().zip(context.scans).map(|(path, scan)| {
+            let is_whole = |f: usize| {
+                scan.frames.get(f).is_some_and(|g| g.object.is_some_and(|object| !object.at_border))
+            };
+            let whole: Path =
+                path.iter().enumerate().map(|(f, at)| at.filter(|_| is_whole(f))).collect();
+            without_gaps(&whole, most)
+        });
+        // An arm always comes in from outside.
+        let manipulator = context.paths.manipulator.iter().map(|path| without_gaps(path, most));
+        Self { object: object.collect(), manipulator: manipulator.collect() }
     }
 }
 

@@ -79,7 +79,9 @@ impl Shape {
             Self::Cable => tube(&nodes, 0.008, false),
             Self::Ring => tube(&nodes, 0.018, true),
             Self::Cloth => cloth(&nodes),
-            Self::Block => block(nodes[0], sub(shift([0.07, 0.0, 0.04]), shift([-0.07, 0.0, 0.04]))),
+            Self::Block => {
+                block(nodes[0], sub(shift([0.07, 0.0, 0.04]), shift([-0.07, 0.0, 0.04])))
+            }
             Self::Toy => {
                 let belly = Primitive::Ellipsoid {
                     center: nodes[0],
@@ -115,7 +117,8 @@ fn cloth(nodes: &[Vector]) -> Vec<Primitive> {
         let x = unit(along).unwrap_or([1.0, 0.0, 0.0]);
         let z = unit(cross(along, across)).unwrap_or([0.0, 0.0, 1.0]);
         let y = cross(z, x);
-        let corners = [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
+        let corners =
+            [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
         let center = scaled(corners.iter().fold([0.0; 3], |s, p| add(s, *p)), 0.25);
         Primitive::Rectangle {
             center,

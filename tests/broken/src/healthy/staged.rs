@@ -256,7 +256,8 @@ impl Frames for Reader<'_> {
                 };
                 let local = hit.map_or([0.0; 3], |h| h.local);
                 // Spheres and the ground have lengths, ellipsoids shares.
-                let patch_m = if hit.is_some_and(|h| h.body == Body::Object) { 0.02 } else { patch_m };
+                let patch_m =
+                    if hit.is_some_and(|h| h.body == Body::Object) { 0.02 } else { patch_m };
                 let cell = local.map(|x| (x / patch_m).floor() as i64);
                 std::array::from_fn(|channel| {
                     let key = [cell[0], cell[1], cell[2], 10 + channel as i64];
@@ -271,7 +272,9 @@ impl Frames for Reader<'_> {
         let view = self.stage.view(self.camera, frame);
         Ok(view.map(|view| {
             view.image(|at, hit: Option<Hit<Body>>| {
-                let Some(hit) = hit.filter(|_| self.chance(frame, at, 2) > 0.03) else { return 0.0 };
+                let Some(hit) = hit.filter(|_| self.chance(frame, at, 2) > 0.03) else {
+                    return 0.0;
+                };
                 let noise = self.chance(frame, at, 3) + self.chance(frame, at, 4) - 1.0;
                 let measured = hit.depth_m + 0.003 * noise * hit.depth_m * hit.depth_m;
                 ((1000.0 * measured).round() / 1000.0) as f32

@@ -91,7 +91,8 @@ fn spaced(name: &str) -> String {
             spaced.push(' ');
         } else {
             // `LeftHand`, and `LHand`.
-            let begins = before.is_lowercase() || rest.peek().is_some_and(|next| next.is_lowercase());
+            let begins =
+                before.is_lowercase() || rest.peek().is_some_and(|next| next.is_lowercase());
             if c.is_uppercase() && begins {
                 spaced.push(' ');
             }
