@@ -87,7 +87,8 @@ fn dropped_repeated_and_damaged_frames_are_counted() {
 
 #[test]
 fn one_fault_of_all_cameras_is_one_finding() {
-    let seen = shown(|s| s.damaged = (0..3).flat_map(|c| (0..FRAMES).map(move |f| (c, f))).collect());
+    let seen =
+        shown(|s| s.damaged = (0..3).flat_map(|c| (0..FRAMES).map(move |f| (c, f))).collect());
     let found = one(&seen, "FRAMES_DAMAGED");
     assert_eq!(found.cameras, [0, 1, 2]);
     assert!(found.message.ends_with("likewise camera 1 (cam1) and camera 2 (cam2)"), "{found:?}");
