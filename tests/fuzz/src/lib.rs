@@ -7,6 +7,7 @@
 
 pub mod archives;
 pub mod images;
+pub mod markers;
 pub mod meshes;
 pub mod recordings;
 pub mod requests;
@@ -34,6 +35,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "jpeg", run: images::jpeg, seeds: seeds::jpeg },
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },
+    Target { name: "markers", run: markers::markers, seeds: seeds::markers },
     Target { name: "mcap", run: recordings::mcap, seeds: seeds::mcap },
     Target { name: "npy", run: archives::npy, seeds: seeds::npy },
     Target { name: "obj", run: meshes::obj, seeds: seeds::obj },

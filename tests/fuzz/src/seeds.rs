@@ -3,7 +3,7 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
+    Fault, Rng, arrays, damage, documents, images, markers, meshes, pickles, recordings, requests, samples,
     splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
@@ -122,6 +122,10 @@ fn packed(compression: &str) -> Vec<Vec<u8>> {
     let mut rng = rng();
     let damaged = chunks.iter().map(|chunk| damage::any(&mut rng, chunk)).collect();
     [chunks.to_vec(), damaged].concat()
+}
+
+pub(crate) fn markers() -> Vec<Vec<u8>> {
+    with_faults(markers::all(), markers::FAULTS)
 }
 
 pub(crate) fn glb() -> Vec<Vec<u8>> {

@@ -2,7 +2,7 @@
 //! or mean harm.
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
-//! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
+//! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`markers`], [`meshes`],
 //! [`splats`], [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
 //! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
@@ -12,6 +12,7 @@ pub mod arrays;
 pub mod damage;
 pub mod documents;
 pub mod images;
+pub mod markers;
 pub mod meshes;
 pub mod pickles;
 pub mod recordings;
@@ -48,7 +49,7 @@ pub struct Fault {
     pub make: fn(&mut Rng) -> Vec<u8>,
 }
 
-/// Captures without end: archives, and MCAP files.
+/// Captures without end: archives, MCAP files, and markers of motion capture.
 pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
     let kinds: Vec<(&'static str, Fault)> = [
         named("zip", archives::FAULTS),
@@ -59,6 +60,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", meshes::IN_CAPTURES),
         named("zip", documents::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
+        named("markers", markers::FAULTS),
     ]
     .concat();
     files(seed, kinds)

@@ -23,7 +23,7 @@ use crate::{failure, global::Global, output, progress, requirements::Requirement
 #[derive(Debug, Args)]
 pub(crate) struct Push {
     /// A folder, of which only the needed files are sent; a ZIP or tar archive; an MCAP file; or
-    /// motion capture as .npz with its .json
+    /// motion capture as .npz with its .json, C3D, CSV of OptiTrack or TRC
     path: PathBuf,
     #[command(flatten)]
     facts: CaptureFacts,

@@ -23,7 +23,7 @@ use crate::{
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// A raw recording or a capture: a folder, a ZIP or tar archive, or motion capture as .npz
-    /// with its .json; or a capture on the server: captures/{uuid}
+    /// with its .json, C3D, CSV or TRC; or a capture on the server: captures/{uuid}
     path: PathBuf,
     /// Write the page: HTML with pictures, in one file
     #[arg(long, value_name = "FILE")]

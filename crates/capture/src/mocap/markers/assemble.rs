@@ -1,5 +1,7 @@
 //! From markers to a capture: points of the object, control points, and what was taken as what.
 
+use std::collections::BTreeMap;
+
 use bendtwin_core::{
     Capture, Environment, Finding, Plane, Point, Sequence,
     capture::{HeldPoint, Object},
@@ -8,7 +10,7 @@ use bendtwin_core::{
 use super::{
     Description, Kind, Markers, chain, description_of, frame,
     gaps::Path,
-    names::{Role, is_called, nothing_moves_it, roles},
+    names::{Index, Role, nothing_moves_it, roles},
 };
 use crate::{Error, Limits, Remarks, files::at_most, frame::Frame};
 
@@ -192,11 +194,13 @@ fn declared_edges(
     description: &Description,
     object: &[(usize, Path)],
 ) -> Vec<[u32; 2]> {
-    let place =
-        |label: &str| object.iter().position(|(mark, _)| is_called(&markers.marks[*mark], label));
+    let index = Index::of(&markers.marks);
+    let points: BTreeMap<usize, u32> =
+        object.iter().enumerate().map(|(point, (mark, _))| (*mark, point as u32)).collect();
+    let point = |label: &String| points.get(index.find(label).first()?).copied();
     let edge = |[a, b]: &[String; 2]| {
-        let (a, b) = (place(a)?, place(b)?);
-        (a != b).then_some([a as u32, b as u32])
+        let (a, b) = (point(a)?, point(b)?);
+        (a != b).then_some([a, b])
     };
     description.edges.iter().filter_map(edge).collect()
 }

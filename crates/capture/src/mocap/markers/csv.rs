@@ -3,7 +3,7 @@
 //!
 //! <https://docs.optitrack.com/motive/data-export/data-export-csv>
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Mark, Markers, damaged, reserve};
 use crate::{Error, Limits, limits::Budget};
@@ -153,9 +153,8 @@ fn things(header: &[Vec<String>], axes: &[String]) -> Vec<Thing> {
             // The quality of a marker or the error of a body.
             _ => continue,
         };
-        let axis = ["X", "Y", "Z", "W"]
-            .iter()
-            .position(|axis| cell(Some(&axes.to_vec()), column) == *axis);
+        let own = axes.get(column).map(String::as_str);
+        let axis = ["X", "Y", "Z", "W"].into_iter().position(|axis| own == Some(axis));
         if let Some(slot) = axis.and_then(|axis| slots.get_mut(axis)) {
             slot.get_or_insert(column);
         }
@@ -209,28 +208,30 @@ fn choose(
     body_m: f64,
     left_out: &mut Vec<(String, String)>,
 ) -> Vec<(Mark, Place)> {
-    let has = |kind: &str, name: &str| {
-        things.iter().any(|t| t.kind == kind && Mark::labelled(&t.name).set == name)
+    let sets_of = |kind: &str| -> BTreeSet<String> {
+        let own = things.iter().filter(|t| t.kind == kind);
+        own.map(|t| Mark::labelled(&t.name).set).collect()
     };
-    let bodies: Vec<String> =
-        things.iter().filter(|t| t.kind == "Rigid Body").map(|t| t.name.clone()).collect();
+    let (seen, solved) = (sets_of("Marker"), sets_of("Rigid Body Marker"));
+    let bodies: BTreeSet<&str> =
+        things.iter().filter(|t| t.kind == "Rigid Body").map(|t| t.name.as_str()).collect();
     let mut chosen = Vec::new();
     for thing in &things {
         let [Some(x), Some(y), Some(z)] = thing.position else { continue };
         let mark = Mark::labelled(&thing.name);
         match thing.kind.as_str() {
-            "Marker" if has("Rigid Body Marker", &mark.set) => {
+            "Marker" if solved.contains(&mark.set) => {
                 let why = "the body's own solution has its place without gaps";
                 left_out.push((thing.name.clone(), why.to_owned()));
             }
             "Marker" => {
-                let is_rigid = bodies.contains(&mark.set);
+                let is_rigid = bodies.contains(mark.set.as_str());
                 chosen.push((Mark { is_rigid, ..mark }, Place::Columns([x, y, z])));
             }
             "Rigid Body Marker" => {
                 chosen.push((Mark { is_rigid: true, ..mark }, Place::Columns([x, y, z])));
             }
-            "Rigid Body" if has("Rigid Body Marker", &thing.name) || has("Marker", &thing.name) => {
+            "Rigid Body" if solved.contains(&thing.name) || seen.contains(&thing.name) => {
             }
             "Rigid Body" => match thing.rotation {
                 [Some(a), Some(b), Some(c), Some(d)] if quaternions => {

@@ -1,5 +1,7 @@
 //! Names of markers: which are the object's, and which those of what moves it.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use bendtwin_core::Finding;
 
 use super::{Description, Mark};
@@ -22,27 +24,59 @@ pub(super) enum Role {
     None(&'static str),
 }
 
+/// Marks by every name that a description may give them: in full, without the body's name, or the
+/// body's name for all of its own.
+#[derive(Debug)]
+pub(super) struct Index(BTreeMap<String, Vec<usize>>);
+
+impl Index {
+    pub(super) fn of(marks: &[Mark]) -> Self {
+        let mut index: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (number, mark) in marks.iter().enumerate() {
+            let names = BTreeSet::from([mark.full(), mark.label.clone(), mark.set.clone()]);
+            for name in names.into_iter().filter(|name| !name.is_empty()) {
+                index.entry(name).or_default().push(number);
+            }
+        }
+        Self(index)
+    }
+
+    /// The marks of a name.
+    pub(super) fn find(&self, name: &str) -> &[usize] {
+        self.0.get(name).map_or(&[], Vec::as_slice)
+    }
+}
+
 /// The roles of marks, shape of `marks`: as declared, else by their names.
 pub(super) fn roles(marks: &[Mark], description: &Description) -> Result<Vec<Role>, Error> {
-    let declared = [&description.held, &description.hand];
-    for label in declared.into_iter().flatten().chain(description.edges.iter().flatten()) {
-        if !marks.iter().any(|mark| is_called(mark, label)) {
-            let fault = format!("it names the marker `{label}`, and there is none");
-            return Err(Error::Document { at: "the description of the markers".to_owned(), fault });
+    let index = Index::of(marks);
+    let declared = |labels: &[String]| -> Result<BTreeSet<usize>, Error> {
+        let labels: BTreeSet<&String> = labels.iter().collect();
+        let mut found = BTreeSet::new();
+        for label in labels {
+            let own = index.find(label);
+            if own.is_empty() {
+                let fault = format!("it names the marker `{label}`, and there is none");
+                let at = "the description of the markers".to_owned();
+                return Err(Error::Document { at, fault });
+            }
+            found.extend(own);
         }
-    }
-    let hands_declared = !description.hand.is_empty();
-    let role = |mark: &Mark| {
-        let is_in = |list: &[String]| list.iter().any(|label| is_called(mark, label));
-        if is_in(&description.held) {
+        Ok(found)
+    };
+    let held = declared(&description.held)?;
+    let hand = declared(&description.hand)?;
+    declared(&description.edges.concat())?;
+    let role = |(number, mark): (usize, &Mark)| {
+        if held.contains(&number) {
             Role::Held
-        } else if is_in(&description.hand) {
+        } else if hand.contains(&number) {
             Role::Hand
         } else if is_unlabelled(mark) {
             Role::None("it has no label: label markers in the program that recorded them")
         } else if words(&mark.set).any(|word| ROOM.contains(&word.as_str())) {
             Role::None("it belongs to the room by its name")
-        } else if !hands_declared && moves_it(mark) {
+        } else if hand.is_empty() && moves_it(mark) {
             Role::Hand
         } else if mark.is_rigid {
             Role::None("it belongs to a rigid body that is not declared as `hand`")
@@ -50,13 +84,7 @@ pub(super) fn roles(marks: &[Mark], description: &Description) -> Result<Vec<Rol
             Role::Object
         }
     };
-    Ok(marks.iter().map(role).collect())
-}
-
-/// True if a label of the description means a mark: in full, or without the body's name, or as the
-/// body's name alone.
-pub(super) fn is_called(mark: &Mark, label: &str) -> bool {
-    mark.full() == label || mark.label == label || (!mark.set.is_empty() && mark.set == label)
+    Ok(marks.iter().enumerate().map(role).collect())
 }
 
 /// A soft object is no rigid body: whatever is one moves it. Other markers do if their set, or without
