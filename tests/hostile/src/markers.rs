@@ -12,8 +12,14 @@ pub const FAULTS: &[Fault] = &[
     Fault { what: "markers with a count that is a lie", make: count },
     Fault { what: "markers with a parameter of a wrong size", make: parameter },
     Fault { what: "markers with columns without end", make: columns },
-    Fault { what: "markers without frames", make: |rng| [csv(0), trc(0), c3d(0)][rng.random_range(0..3)].clone() },
-    Fault { what: "markers with quotes without end", make: |_| [csv(1), b"\"".repeat(4000)].concat() },
+    Fault {
+        what: "markers without frames",
+        make: |rng| [csv(0), trc(0), c3d(0)][rng.random_range(0..3)].clone(),
+    },
+    Fault {
+        what: "markers with quotes without end",
+        make: |_| [csv(1), b"\"".repeat(4000)].concat(),
+    },
 ];
 
 const FRAMES: usize = 6;
@@ -38,7 +44,10 @@ fn place(marker: usize, frame: usize) -> [f32; 3] {
 pub fn csv(frames: usize) -> Vec<u8> {
     let mut text = "Format Version,1.23,Export Frame Rate,120.0,Rotation Type,Quaternion,Length Units,Meters\n\n".to_owned();
     let cells = |cell: &dyn Fn(usize) -> String| -> String {
-        (0..NAMES.len()).flat_map(|marker| [cell(marker), cell(marker), cell(marker)]).map(|c| format!(",{c}")).collect()
+        (0..NAMES.len())
+            .flat_map(|marker| [cell(marker), cell(marker), cell(marker)])
+            .map(|c| format!(",{c}"))
+            .collect()
     };
     text += &format!(",Type{}\n", cells(&|_| "Marker".to_owned()));
     text += &format!(",Name{}\n", cells(&|marker| NAMES[marker].to_owned()));

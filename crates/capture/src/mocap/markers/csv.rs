@@ -231,8 +231,7 @@ fn choose(
             "Rigid Body Marker" => {
                 chosen.push((Mark { is_rigid: true, ..mark }, Place::Columns([x, y, z])));
             }
-            "Rigid Body" if solved.contains(&thing.name) || seen.contains(&thing.name) => {
-            }
+            "Rigid Body" if solved.contains(&thing.name) || seen.contains(&thing.name) => {}
             "Rigid Body" => match thing.rotation {
                 [Some(a), Some(b), Some(c), Some(d)] if quaternions => {
                     let offsets = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
