@@ -56,8 +56,12 @@ const FILMED: [Scene; 5] = [Scene::Toy, Scene::Rope, Scene::Ring, Scene::Bar, Sc
 fn filmed(number: usize) -> (String, Healthy) {
     let scene = FILMED[number % FILMED.len()];
     let take = (number / FILMED.len()) as u32;
-    let cameras = [3, 2, 4, 1, 3, 2, 3][number % 7];
-    let size = [[96, 72], [128, 96], [112, 112], [80, 128]][number % 4];
+    let cameras = [3, 2, 4, 3, 2][number % 5];
+    // A rope is as thick as a few pixels.
+    let size = match scene {
+        Scene::Rope => [212, 160],
+        _ => [[112, 84], [128, 96], [112, 112], [96, 128]][number % 4],
+    };
     let options = FilmOptions {
         frames: [36, 50, 44][number % 3],
         cameras,

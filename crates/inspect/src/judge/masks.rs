@@ -5,7 +5,7 @@ use super::{Assessment, Context, named, paths::Path};
 use crate::{
     Code, Finding,
     scan::{CameraScan, FrameStats, mask::MaskStats},
-    statistics::{median, share},
+    statistics::{mean, median, share},
     vector::{Vector, distance, pixel_of, to_camera},
 };
 
@@ -264,24 +264,27 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let limits = &context.thresholds.masks;
     let Some(camera) = context.recording.cameras.get(index) else { return };
     let small = limits.min_area_share * (camera.width * camera.height) as f64;
+    // Masks at the border are those of an object that leaves the view, and empty ones have a separate
+    // finding.
+    let area = |g: &FrameStats| g.object.filter(|o| o.area_px > 0 && !o.at_border);
     let areas: Vec<Option<f64>> =
-        scan.frames.iter().map(|g| g.object.map(|p| p.area_px as f64)).collect();
+        scan.frames.iter().map(|g| Some(area(g)?.area_px as f64)).collect();
+    // How much the area grows from one frame to the next.
+    let growth = |frame: usize| {
+        let (before, now) = (areas.get(frame.checked_sub(1)?)?, areas.get(frame)?);
+        Some((*now)?.ln() - (*before)?.ln())
+    };
     let mut frames = Vec::new();
     let mut worst = 1.0_f64;
-    let pairs = areas.iter().zip(areas.iter().skip(1)).enumerate();
-    for (frame, (before, now)) in pairs {
-        let (Some(before), Some(now)) = (before, now) else { continue };
-        // Empty masks have a separate finding, and what leaves the view becomes small.
-        let leaves = [frame, frame + 1].iter().any(|f| {
-            scan.frames.get(*f).is_some_and(|g| g.object.is_some_and(|object| object.at_border))
-        });
-        if before.min(*now) <= 0.0 || before.max(*now) < small || leaves {
-            continue;
-        }
-        let ratio = (now / before).max(before / now);
-        if ratio > limits.max_area_ratio {
-            frames.push(frame + 1);
-            worst = worst.max(ratio);
+    for frame in 1..areas.len() {
+        let Some(own) = growth(frame) else { continue };
+        let larger = areas[frame - 1].max(areas[frame]).unwrap_or(0.0);
+        // What turns fast changes its area for several frames.
+        let around = mean([frame - 1, frame + 1].into_iter().filter_map(growth)).unwrap_or(0.0);
+        let jumps = own.abs().min((own - around).abs());
+        if larger >= small && jumps > limits.max_area_ratio.ln() {
+            frames.push(frame);
+            worst = worst.max(own.abs().exp());
         }
     }
     if !frames.is_empty() {

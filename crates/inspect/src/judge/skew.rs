@@ -28,7 +28,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let mut drifts = vec![vec![None; n]; n];
     for a in 0..n {
         for b in a + 1..n {
-            let whole = shift(context, &filled, [a, b], 0..frames);
+            let whole = shift(context, &filled, [a, b], 0..frames).map(|whole| whole.frames);
             let drift = drift(context, &filled, [a, b], whole);
             let set = |table: &mut Vec<Vec<Option<f64>>>, value: Option<f64>| {
                 table[a][b] = value;
@@ -75,6 +75,14 @@ fn drift(
     let frames = context.recording.frame_count;
     let first = shift(context, filled, pair, 0..frames / 2)?;
     let second = shift(context, filled, pair, frames / 2..frames)?;
+    // Half a recording is little to go by: a shift has to explain nearly all of what is left without.
+    let is_clear = |half: &Shift| {
+        half.frames.abs() < 1.0 || half.remaining < limits.max_remaining_share_of_half
+    };
+    if !(is_clear(&first) && is_clear(&second)) {
+        return None;
+    }
+    let (first, second) = (first.frames, second.frames);
     let drift = second - first;
     if drift.abs() <= limits.max_drift_frames {
         return Some(drift);
@@ -229,7 +237,15 @@ fn without_gaps(path: &Path, most: usize) -> Path {
     filled
 }
 
-/// Number of frames by which camera `a` shows things later than camera `b`, between two frames.
+/// The shift in time between two cameras.
+struct Shift {
+    /// Number of frames by which the first shows things later.
+    frames: f64,
+    /// Share of the variance between their paths that remains, 0..=1.
+    remaining: f64,
+}
+
+/// Shift by which camera `a` shows things later than camera `b`, between two frames.
 /// `None` if nothing moves enough, or if the best shift is at the edge of what can be looked for: the
 /// true one may lie beyond, and at the edge few frames are compared.
 fn shift(
@@ -237,7 +253,7 @@ fn shift(
     filled: &Filled,
     [a, b]: [usize; 2],
     between: Range<usize>,
-) -> Option<f64> {
+) -> Option<Shift> {
     let limits = &context.thresholds.skew;
     let longest = limits.max_skew_share * between.len() as f64;
     let window = (limits.max_skew_s * context.recording.fps).min(longest) as i64;
@@ -265,14 +281,15 @@ fn shift(
     let unshifted = cost(0)?;
     let whole = at as i64 - window;
     if whole != 0 && best > limits.max_remaining_share * unshifted {
-        return Some(0.0);
+        return Some(Shift { frames: 0.0, remaining: 1.0 });
     }
     let neighbour = |i: Option<usize>| costs.get(i?).copied().flatten();
     let (left, right) = (neighbour(at.checked_sub(1))?, neighbour(Some(at + 1))?);
     // The vertex of the parabola through the best and its neighbours.
     let bend = left + right - 2.0 * best;
     let part = if bend > 1e-12 { 0.5 * (left - right) / bend } else { 0.0 };
-    Some(whole as f64 + part)
+    let remaining = best / unshifted.max(f64::MIN_POSITIVE);
+    Some(Shift { frames: whole as f64 + part, remaining })
 }
 
 /// True if a path moves enough to be aligned.

@@ -19,6 +19,8 @@ pub(crate) struct SkewThresholds {
     /// Share of the variance between two paths that may remain after the shift, 0..=1; if more
     /// remains, there is no skew. Chosen by hand.
     pub(crate) max_remaining_share: f64,
+    /// The same of half of a recording, where a shift has to be clearer to be part of a drift.
+    pub(crate) max_remaining_share_of_half: f64,
     /// Skew from which there is a warning [frames]. In healthy recordings at most 0.12 frames are
     /// measured.
     pub(crate) max_skew_frames: f64,
@@ -42,6 +44,7 @@ impl Default for SkewThresholds {
             min_shared_frames: 10,
             max_gap_frames: 3,
             max_remaining_share: 0.6,
+            max_remaining_share_of_half: 0.3,
             max_skew_frames: 0.8,
             bad_skew_s: 0.1,
             bad_skew_frames: 3.0,

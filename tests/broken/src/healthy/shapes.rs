@@ -35,7 +35,7 @@ impl Shape {
         };
         match self {
             Self::Rope => line(26, 0.42, 0.014),
-            Self::Cable => line(40, 0.46, 0.008),
+            Self::Cable => line(40, 0.46, 0.01),
             Self::Ring => (0..26)
                 .map(|i| {
                     let (s, c) = (TAU * i as f64 / 26.0).sin_cos();
@@ -76,7 +76,7 @@ impl Shape {
         let sphere = |center: &Vector, radius_m| Primitive::Sphere { center: *center, radius_m };
         match self {
             Self::Rope => tube(&nodes, 0.014, false),
-            Self::Cable => tube(&nodes, 0.008, false),
+            Self::Cable => tube(&nodes, 0.01, false),
             Self::Ring => tube(&nodes, 0.018, true),
             Self::Cloth => cloth(&nodes),
             Self::Block => {

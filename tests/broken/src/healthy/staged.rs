@@ -50,6 +50,7 @@ impl Motion {
         Self::TwoHands,
     ];
 
+    /// Shift of the hand [m].
     fn shift(self, t: f64) -> Vector {
         let step = |from: f64, to: f64| {
             let s = ((t - from) / (to - from)).clamp(0.0, 1.0);
@@ -69,9 +70,10 @@ impl Motion {
                 [0.06 * on * s, 0.06 * on * (1.0 - c), 0.02 * on * s]
             }
             Self::Swing => [0.0, 0.09 * step(0.5, 0.8) * (TAU * 1.5 * (t - 0.5)).sin(), 0.0],
+            // Across the view of the first camera.
             Self::Leave => {
-                let s = step(0.5, 1.1) - step(1.5, 2.1);
-                [0.55 * s, 0.1 * s, 0.0]
+                let s = step(0.4, 1.2) - step(1.4, 2.2);
+                [0.0, 0.42 * s, 0.0]
             }
             Self::TwoHands => {
                 let s = (TAU * 0.8 * (t - 0.7)).sin() * step(0.7, 1.1);
@@ -151,6 +153,9 @@ fn place(number: usize, camera: usize, count: usize) -> Camera {
     let out = 0.72 * (1.0 + 0.15 * varied(2));
     let eye = [out * c, out * s, 0.45 + 0.25 * varied(3)];
     let [width, height] = [[112, 84], [128, 72], [84, 112], [96, 96]][(number + camera) % 4];
+    // A rope or a cable is as thick as a few pixels.
+    let is_thin = matches!(Shape::ALL[number % Shape::ALL.len()], Shape::Rope | Shape::Cable);
+    let [width, height] = if is_thin { [2 * width, 2 * height] } else { [width, height] };
     let into = unit(sub([0.02, 0.02, 0.1], eye)).expect("the camera is elsewhere");
     let right = unit(cross(into, [0.0, 0.0, 1.0])).expect("no camera looks straight down");
     let down = cross(into, right);
@@ -181,6 +186,7 @@ impl Stage {
         let from = |grasp: Vector, mirrored: f64, p: Vector| {
             let far = distance(grasp, p);
             let [x, y, z] = self.motion.shift(t - 0.35 * far);
+            let [x, y] = self.across([x, y]);
             let sag = 1.0 - (far / 0.6).min(0.8) * (z / 0.2).clamp(0.0, 1.0);
             [mirrored * x, mirrored * y, (z * sag).max(0.0)]
         };
@@ -208,6 +214,13 @@ impl Stage {
         }
         bodies.push((Body::Table, Primitive::Ground));
         Bodies(bodies)
+    }
+
+    /// Turns what goes along y so that it crosses the view of the first camera.
+    fn across(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let Some(eye) = self.cameras.first().map(|c| c.poses[0].translation) else { return [x, y] };
+        let (s, c) = eye[1].atan2(eye[0]).sin_cos();
+        [c * x - s * y, s * x + c * y]
     }
 
     fn view(&self, camera: usize, frame: usize) -> Option<Arc<View<Body>>> {
@@ -275,6 +288,10 @@ impl Frames for Reader<'_> {
                 let Some(hit) = hit.filter(|_| self.chance(frame, at, 2) > 0.03) else {
                     return 0.0;
                 };
+                // Beyond what a depth camera measures.
+                if hit.depth_m > 4.0 {
+                    return 0.0;
+                }
                 let noise = self.chance(frame, at, 3) + self.chance(frame, at, 4) - 1.0;
                 let measured = hit.depth_m + 0.003 * noise * hit.depth_m * hit.depth_m;
                 ((1000.0 * measured).round() / 1000.0) as f32
