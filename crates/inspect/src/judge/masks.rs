@@ -278,7 +278,7 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let mut worst = 1.0_f64;
     for frame in 1..areas.len() {
         let Some(own) = growth(frame) else { continue };
-        let larger = areas[frame - 1].max(areas[frame]).unwrap_or(0.0);
+        let larger = areas[frame - 1].unwrap_or(0.0).max(areas[frame].unwrap_or(0.0));
         // What turns fast changes its area for several frames.
         let around = mean([frame - 1, frame + 1].into_iter().filter_map(growth)).unwrap_or(0.0);
         let jumps = own.abs().min((own - around).abs());
