@@ -22,8 +22,8 @@ pub enum Error {
     /// Neither a bundle, nor a PhysTwin case, nor motion capture.
     #[error(
         "`{name}` is no capture, {there}: it needs `capture.json` (a BendTwin bundle), `final_data.pkl` or `metadata.json` \
-         with `color` (a PhysTwin case) or `transforms.json` (nerfstudio), unless it is an MCAP file or an .npz with its .json \
-         beside it (motion capture)"
+         with `color` (a PhysTwin case) or `transforms.json` (nerfstudio), unless it is an MCAP file or motion capture (an .npz with its .json \
+         beside it, C3D, CSV of OptiTrack, or TRC)"
     )]
     #[problem(InvalidArgument, "UNKNOWN_CAPTURE_KIND")]
     UnknownKind {

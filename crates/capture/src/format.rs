@@ -22,6 +22,8 @@ pub(crate) enum Format {
     RawPhysTwin,
     /// Arrays of points with a document.
     MotionCapture,
+    /// Markers as programs of motion capture export them.
+    Markers,
     /// A file with the messages of a robot.
     Mcap,
 }
@@ -46,6 +48,7 @@ impl Format {
             (contents.has(raw::nerfstudio::MARKER), Self::Nerfstudio),
             (raw::is_case(contents), Self::RawPhysTwin),
             (mocap::packed(contents).is_some(), Self::MotionCapture),
+            (mocap::has_markers(contents), Self::Markers),
         ]
         .into_iter()
         .filter_map(|(is_there, format)| is_there.then_some(format))
@@ -60,6 +63,7 @@ impl Format {
             Self::Nerfstudio => "nerfstudio (`transforms.json`)",
             Self::RawPhysTwin => "a raw PhysTwin case (`metadata.json` with `color`)",
             Self::MotionCapture => "motion capture (`.npz` with its `.json`)",
+            Self::Markers => "markers of motion capture (C3D, CSV or TRC)",
             Self::Mcap => "an MCAP file",
         }
     }
@@ -69,6 +73,8 @@ impl Format {
 pub(crate) enum Place<'p> {
     /// Arrays of motion capture in a separate file, which is no archive of files.
     Arrays(&'p Path),
+    /// Markers of motion capture in a separate file.
+    Markers(&'p Path),
     /// An MCAP file: that of the path, or the only one in a folder.
     Mcap(PathBuf),
     /// A folder or an archive of files.
@@ -82,6 +88,9 @@ impl<'p> Place<'p> {
         let path = root(path);
         if is_npz(path) {
             return Ok(Self::Arrays(path));
+        }
+        if mocap::is_markers(path) {
+            return Ok(Self::Markers(path));
         }
         Ok(raw::mcap_at(path)?.map_or(Self::Files(path), Self::Mcap))
     }

@@ -33,7 +33,7 @@ use std::{
 
 use bendtwin_core::{Environment, Finding, Point};
 
-pub(crate) use self::{bundle::Section, decode::label_number};
+pub(crate) use self::{bundle::Section, decode::label_number, phystwin::names_manipulator};
 pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     calibration::{CALIBRATION_FILE, CalibratedCamera, Calibration},
@@ -59,6 +59,11 @@ use crate::{
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
     match Place::at(path)? {
         Place::Mcap(file) => open_mcap(&file, limits),
+        Place::Markers(path) => {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let there = "which has markers and no images".to_owned();
+            Err(Error::UnknownKind { name, there })
+        }
         Place::Arrays(path) | Place::Files(path) => find(Files::open(path, limits)?),
     }
 }

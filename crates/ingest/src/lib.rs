@@ -145,6 +145,7 @@ impl Work<'_> {
             Opened::Observed(capture, notes) => {
                 let mut seen = inspect_observed(&capture);
                 name.clone_into(&mut seen.name);
+                seen.sources = notes.sources.clone();
                 seen.add(notes);
                 let usable = seen.check_report().require();
                 let capture = usable.map(|()| Some(capture)).map_err(|e| e.fault());

@@ -7,7 +7,9 @@ use bendtwin_capture::{
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
-use crate::{Code, Finding, Verdict, consequences, finding, picture_inputs::PictureInputs};
+use crate::{
+    Code, Finding, Verdict, alike, consequences, finding, picture_inputs::PictureInputs,
+};
 
 /// The kind of capture that was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -206,8 +208,9 @@ impl Inspection {
         }
     }
 
-    /// Adds findings that are not known yet, leaves out those that merely follow from others, gives
-    /// each the advice of its code, sorts them and judges again.
+    /// Adds findings that are not known yet, leaves out those that merely follow from others, joins
+    /// those that say the same of several cameras, gives each the advice of its code, sorts them and
+    /// judges again.
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         for finding in findings {
             let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
@@ -216,6 +219,8 @@ impl Inspection {
             }
         }
         consequences::leave_out(&mut self.findings);
+        let names: Vec<String> = self.cameras.iter().map(|camera| camera.name.clone()).collect();
+        alike::join(&mut self.findings, &names);
         self.settle();
     }
 

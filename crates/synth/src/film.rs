@@ -20,7 +20,7 @@ use bendtwin_mesh::{Mesh, Similarity, write_glb};
 
 use self::{lens::Reader, props::Prop};
 use super::{
-    MakeOptions, Scene,
+    MakeOptions, Scene, Substance,
     hand::Hand,
     observe::{FPS, Performance, TRAIN_SHARE, perform, spread},
     pose::{Pose, add, scale, smoothstep, sub, unit},
@@ -47,12 +47,16 @@ pub struct FilmOptions {
     pub size: [usize; 2],
     /// `true` if a point tracker ran.
     pub tracks: bool,
+    /// Recording of the object, as [`MakeOptions::take`] counts them.
+    pub take: u32,
+    /// Material of the body.
+    pub material: Substance,
+    /// Angle by which all cameras are turned around the table [degrees].
+    pub turn_deg: f32,
     /// Mesh of the body that lies beside the recording.
     pub shape: Shape,
     /// A printed sheet on the table, a board for calibrating say, in the middle of what the cameras see.
     pub sheet: Option<Sheet>,
-    /// Recording of the body: 0 is the scene's own; others hold it elsewhere and move it in other ways.
-    pub take: u32,
     /// Hands in the scene.
     pub hands: Hands,
     /// Colours of things.
@@ -116,9 +120,11 @@ impl FilmOptions {
             cameras: 3,
             size: [424, 240],
             tracks: true,
+            take: 0,
+            material: Substance::Foam,
+            turn_deg: 0.0,
             shape: Shape::Aligned,
             sheet: None,
-            take: 0,
             hands: Hands::One,
             dyes: Dyes::default(),
             clutter: false,
@@ -153,7 +159,8 @@ pub fn film_with(
         seed: options.seed,
         frames: options.frames,
         tiny: options.tiny,
-        ..MakeOptions::default()
+        take: options.take,
+        material: options.material,
     };
     let mut setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
     take::vary(&mut setup, scene, options.take);
@@ -313,7 +320,7 @@ fn around(options: &FilmOptions, frame_count: usize) -> Vec<Camera> {
     };
     let count = options.cameras.clamp(1, OFFSETS.len());
     let places = OFFSETS.iter().take(count).enumerate().map(|(index, [turn, far, above])| {
-        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn;
+        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn + options.turn_deg;
         let (s, c) = degrees.to_radians().sin_cos();
         let [x, y, z] = TARGET;
         let out = 0.85 * far;

@@ -1,4 +1,5 @@
-//! Recordings with one fault each, and the diagnosis expected of each.
+//! Recordings with one fault each, and the diagnosis expected of each; and healthy ones of many kinds
+//! ([`healthy`]), which have none.
 //!
 //! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
 //! data ([`footage`]), in files ([`files`]), their names ([`naming`]) and masks ([`masks`]), and in
@@ -11,6 +12,7 @@ pub mod clocks;
 pub mod files;
 pub mod footage;
 pub mod grids;
+pub mod healthy;
 pub mod masks;
 pub mod naming;
 pub mod starts;

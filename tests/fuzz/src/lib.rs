@@ -8,6 +8,7 @@
 pub mod archives;
 pub mod calibrations;
 pub mod images;
+pub mod markers;
 pub mod meshes;
 pub mod recordings;
 pub mod requests;
@@ -37,6 +38,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "jpeg", run: images::jpeg, seeds: seeds::jpeg },
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },
+    Target { name: "markers", run: markers::markers, seeds: seeds::markers },
     Target { name: "masks", run: archives::masks, seeds: seeds::masks },
     Target { name: "mcap", run: recordings::mcap, seeds: seeds::mcap },
     Target { name: "metadata", run: archives::metadata, seeds: seeds::metadata },

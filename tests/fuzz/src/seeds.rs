@@ -3,8 +3,8 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, calibrations, damage, documents, images, masks as mask_files, meshes,
-    pickles, recordings, requests, samples, splats, torch_files, twin_files,
+    Fault, Rng, arrays, calibrations, damage, documents, images, markers, masks as mask_files,
+    meshes, pickles, recordings, requests, samples, splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
 use prost::Message as _;
@@ -131,6 +131,10 @@ fn packed(compression: &str) -> Vec<Vec<u8>> {
     let mut rng = rng();
     let damaged = chunks.iter().map(|chunk| damage::any(&mut rng, chunk)).collect();
     [chunks.to_vec(), damaged].concat()
+}
+
+pub(crate) fn markers() -> Vec<Vec<u8>> {
+    with_faults(markers::all(), markers::FAULTS)
 }
 
 pub(crate) fn glb() -> Vec<Vec<u8>> {

@@ -18,6 +18,7 @@ fn folder(files: &[&str]) -> tempfile::TempDir {
 fn detect(path: &Path) -> Result<Format, Error> {
     Ok(match Place::at(path)? {
         Place::Arrays(_) => Format::MotionCapture,
+        Place::Markers(_) => Format::Markers,
         Place::Mcap(_) => Format::Mcap,
         Place::Files(path) => {
             let mut files = Files::open(path, &Limits::default())?;
@@ -37,6 +38,10 @@ fn a_folder_is_read_as_the_first_of_its_formats() {
         (&["transforms.json", "metadata.json", "color/0/0.png"], Format::Nerfstudio),
         (&["metadata.json", "color/0/0.png"], Format::RawPhysTwin),
         (&["rope.npz", "rope.json"], Format::MotionCapture),
+        (&["rope.c3d", "rope.json"], Format::Markers),
+        (&["take.csv"], Format::Markers),
+        (&["notes.csv", "case/transforms.json"], Format::Nerfstudio),
+        (&["rope.trc", "metadata.json", "color/0/0.png"], Format::RawPhysTwin),
         (&["capture.json", "bag.mcap"], Format::Mcap),
         (&["inner/deeper/transforms.json"], Format::Nerfstudio),
     ] {

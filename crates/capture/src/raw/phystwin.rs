@@ -29,6 +29,7 @@ use crate::{
     phystwin::{json, split, truth},
 };
 
+pub(crate) use labels::names_manipulator;
 pub use writer::{export_case, write_case};
 
 pub(super) const MARKER: &str = "metadata.json";

@@ -86,6 +86,61 @@ fn dropped_repeated_and_damaged_frames_are_counted() {
 }
 
 #[test]
+fn one_fault_of_all_cameras_is_one_finding() {
+    let seen =
+        shown(|s| s.damaged = (0..3).flat_map(|c| (0..FRAMES).map(move |f| (c, f))).collect());
+    let found = one(&seen, "FRAMES_DAMAGED");
+    assert_eq!(found.cameras, [0, 1, 2]);
+    assert!(found.message.ends_with("likewise camera 1 (cam1) and camera 2 (cam2)"), "{found:?}");
+    assert!(found.consequences.contains(&"CAMERA_EMPTY".to_owned()), "{found:?}");
+}
+
+#[test]
+fn a_camera_at_a_lower_rate_is_no_fault() {
+    let seen = shown(|s| (1..FRAMES).step_by(2).for_each(|f| s.moments[1][f] = None));
+    assert_eq!((seen.verdict, seen.has("CAMERA_SLOWER")), (Verdict::Good, true), "{seen:?}");
+    let found = seen.findings.iter().find(|f| f.code == "CAMERA_SLOWER").unwrap();
+    assert!(found.message.starts_with("camera 1 (cam1) recorded at 15 fps"), "{found:?}");
+    // Stored twice, its frames are late by half: that is said, and no more.
+    let seen = shown(|s| s.moments[1] = (0..FRAMES).map(|f| Some((f / 2 * 2) as f64)).collect());
+    let found = one(&seen, "FRAMES_DUPLICATED");
+    assert_eq!((found.cameras.as_slice(), seen.verdict), (&[1][..], Verdict::Usable));
+    assert!(found.message.contains("recorded at 15 fps"), "{found:?}");
+}
+
+#[test]
+fn a_click_that_was_not_followed_and_a_hand_that_was_forgotten() {
+    let later = |first: usize| (0..3).flat_map(move |c| (first..FRAMES).map(move |f| (c, f)));
+    let seen = shown(|s| s.empty_masks = later(1).collect());
+    let found = one(&seen, "MASKS_NOT_FOLLOWED");
+    assert!(found.message.contains("in frame 0 alone"), "{found:?}");
+    assert!(found.advice.contains("docs/use/cameras.md#masks"), "{found:?}");
+
+    let seen = shown(|s| s.hidden_hand = true);
+    let found = one(&seen, "MANIPULATOR_NOT_SEEN");
+    assert_eq!(seen.verdict, Verdict::Unusable, "{found:?}");
+    assert!(found.message.contains("the object is moved by"), "{found:?}");
+    let seen = shown(|s| (s.hidden_hand, s.travel) = (true, 0.15));
+    assert_eq!(one(&seen, "MANIPULATOR_NOT_SEEN").severity, bendtwin_core::Severity::Warning);
+}
+
+#[test]
+fn a_clock_that_runs_fast_drifts_unless_times_say_otherwise() {
+    let fast = |times: bool| {
+        let (mut scene, mut recording) = healthy();
+        scene.moments[1] = (0..FRAMES).map(|f| Some(1.12 * f as f64)).collect();
+        if times {
+            let times: Vec<f64> = (0..FRAMES).map(|f| f as f64 / 30.0).collect();
+            recording.cameras.iter_mut().for_each(|c| c.times_s.clone_from(&times));
+        }
+        inspected(scene, recording)
+    };
+    let found = one(&fast(false), "CLOCKS_DRIFT");
+    assert_eq!(found.cameras, [1]);
+    assert!(!fast(true).has("CLOCKS_DRIFT"));
+}
+
+#[test]
 fn frames_that_were_dropped_and_closed_up_are_noticed() {
     // Every third moment is missing in all cameras, without a trace in the description.
     let seen = shown(|s| {

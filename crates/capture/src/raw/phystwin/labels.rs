@@ -178,6 +178,11 @@ fn folded(label: &str) -> String {
     label.trim().to_lowercase()
 }
 
+/// True if a label names a hand, a person or a robot, and nothing else.
+pub(crate) fn names_manipulator(label: &str) -> bool {
+    meaning(label) == Meaning::Manipulator
+}
+
 /// Kind of thing that a label names, by whole words: that of `left_hand`, `gripper 2` or `UR5` is clear, that of
 /// `hand towel` or `toy robot` is not.
 fn meaning(label: &str) -> Meaning {
