@@ -21,10 +21,7 @@ mod tracks;
 mod usable;
 mod validity;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::Path, sync::Arc};
 
 use bendtwin_core::{Environment, Finding, Point};
 
@@ -48,22 +45,27 @@ use crate::{
 /// # Errors
 /// If there is no recording, its description is damaged or impossible, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
-    match Place::at(path)? {
-        Place::Mcap(file) => open_mcap(&file, limits),
+    match Place::at(path) {
+        Place::Mcap(file) => open_mcap(file, limits),
         Place::Arrays(path) | Place::Files(path) => find(Files::open(path, limits)?),
     }
 }
 
 /// Opens the recording in an MCAP file.
 pub(crate) fn open_mcap(file: &Path, limits: &Limits) -> Result<Recording, Error> {
-    let mut recording = mcap::read(file, limits)?;
+    let mut recording = mcap::read_file(file, limits)?;
     validity::settle(&mut recording, limits)?;
     Ok(recording)
 }
 
-/// The MCAP file at a path, if there is one.
-pub(crate) fn mcap_at(path: &Path) -> Result<Option<PathBuf>, Error> {
-    mcap::file_at(path)
+/// `true` if an MCAP file lies at a path, which may be compressed as a whole.
+pub(crate) fn is_mcap_at(path: &Path) -> bool {
+    mcap::is_at(path)
+}
+
+/// `true` if a file is MCAP by its name, which may be compressed as a whole.
+pub(crate) fn is_mcap(name: &str) -> bool {
+    mcap::is_named(name)
 }
 
 /// The recording among these files.
@@ -73,9 +75,10 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
         return Err(files.unknown());
     }
     // Points that were tracked already are passed over.
-    let with_images = [Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
+    let with_images = [Format::Mcap, Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
     let format = Format::all(&files.list("")).find(|format| with_images.contains(format));
     let mut recording = match format {
+        Some(Format::Mcap) => mcap::read(files)?,
         Some(Format::Bundle) => bundle::read(files)?,
         Some(Format::Nerfstudio) => nerfstudio::read(files)?,
         Some(Format::RawPhysTwin) => phystwin::read(files)?,

@@ -52,11 +52,11 @@ pub enum Opened {
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
-    match Place::at(path)? {
+    match Place::at(path) {
         Place::Arrays(path) => {
             Ok(observed(mocap::read_npz(path, &path.with_extension("json"), limits)?, Vec::new()))
         }
-        Place::Mcap(file) => raw::open_mcap(&file, limits).map(Opened::Raw),
+        Place::Mcap(file) => raw::open_mcap(file, limits).map(Opened::Raw),
         Place::Files(path) => open_files(&mut Files::open(path, limits)?),
     }
 }
@@ -80,7 +80,7 @@ fn observed(capture: Capture, notes: Vec<Note>) -> Opened {
 
 pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
     let mut notes = Vec::new();
-    let capture = match Place::at(path)? {
+    let capture = match Place::at(path) {
         Place::Arrays(path) => mocap::read_npz(path, &path.with_extension("json"), limits)?,
         Place::Mcap(_) => {
             let name = root(path).file_stem().unwrap_or_default().to_string_lossy();

@@ -93,15 +93,6 @@ pub(crate) fn is_video(name: &str) -> bool {
     ending.is_some_and(|e| ["mp4", "mkv", "avi", "mov", "webm"].contains(&e.as_str()))
 }
 
-/// An MCAP file inside an archive.
-pub(super) fn packed_mcap(name: &str) -> Error {
-    Error::OtherFormat {
-        at: name.to_owned(),
-        what: "an MCAP file inside an archive",
-        advice: "send it by itself: it is compressed already".to_owned(),
-    }
-}
-
 /// gzip of one file that is no archive.
 pub(super) fn gzip(name: &str) -> Error {
     Error::OtherFormat {

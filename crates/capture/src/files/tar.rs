@@ -15,6 +15,7 @@ use tar::{Archive, EntryType};
 
 use super::{
     Names, is_plain, read_capped,
+    section::Section,
     storage::{Metered, Storage, Unpacked},
     zip::{check_length, check_unpacked, directory_bytes},
 };
@@ -108,6 +109,18 @@ pub(super) fn read(
     }
     storage.seek(SeekFrom::Start(member.start)).map_err(|e| damaged(&e))?;
     read_capped(name, storage.take(member.size), member.size, cap, budget)
+}
+
+/// A file of an archive where it lies; none if the archive is borrowed memory.
+pub(super) fn section(
+    storage: &Storage<'_>,
+    member: Member,
+    full: &str,
+) -> Result<Option<Section>, Error> {
+    if let Some(kind) = member.kind {
+        return Err(Error::ArchiveEntryKind { at: full.to_owned(), kind });
+    }
+    Ok(storage.section(member.start, member.size))
 }
 
 /// Unpacks gzip in memory, and takes what that needs from the limits of all that follows.
