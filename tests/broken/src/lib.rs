@@ -1,8 +1,8 @@
 //! Recordings with one fault each, and the diagnosis expected of each.
 //!
 //! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
-//! data ([`footage`]), in files ([`files`]) and their names ([`naming`]), and in archives
-//! ([`archives`]). A user of this crate
+//! data ([`footage`]), in files ([`files`]) and their names ([`naming`]), in archives
+//! ([`archives`]), and in recordings of robots ([`robots`]). A user of this crate
 //! calls [`Broken::make`] and compares the diagnosis with the expected one.
 
 pub mod archives;
@@ -12,6 +12,7 @@ pub mod files;
 pub mod footage;
 pub mod grids;
 pub mod naming;
+pub mod robots;
 pub mod starts;
 pub mod streams;
 
@@ -67,6 +68,8 @@ enum Make {
     Archive(fn(&files::FileMap) -> Vec<u8>),
     /// Changes a folder with a case.
     Folder(fn(&std::path::Path)),
+    /// Changes messages of a robot's recording.
+    Robot(fn(&mut robots::Robot)),
     /// Changes the camera data.
     Footage(fn(&mut Footage)),
 }
@@ -79,6 +82,7 @@ impl Broken {
             Make::Bundle(change) => files::stored(files::bundle(), change),
             Make::Archive(pack) => archives::stored(&pack(files::case())),
             Make::Folder(change) => files::changed_folder(change),
+            Make::Robot(change) => robots::stored(change),
             Make::Footage(change) => {
                 let mut footage = footage::healthy();
                 change(&mut footage);
@@ -98,6 +102,7 @@ pub fn all() -> Vec<Broken> {
         starts::all(),
         files::all(),
         naming::all(),
+        robots::all(),
         archives::all(),
     ]
     .concat()

@@ -3,7 +3,7 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
+    Fault, Rng, arrays, damage, documents, images, meshes, messages, pickles, recordings, requests, samples,
     splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
@@ -101,7 +101,12 @@ pub(crate) fn jpeg() -> Vec<Vec<u8>> {
 pub(crate) fn mcap() -> Vec<Vec<u8>> {
     let [lz4, zstd] = samples::mcap();
     let plain = recordings::file(&recordings::records(&lz4));
-    with_faults(vec![lz4, zstd, plain], recordings::FAULTS)
+    let faults = [recordings::FAULTS, messages::FAULTS].concat();
+    with_faults(vec![lz4, zstd, plain], &faults)
+}
+
+pub(crate) fn ros_image() -> Vec<Vec<u8>> {
+    with_damage(messages::valid())
 }
 
 pub(crate) fn lz4() -> Vec<Vec<u8>> {

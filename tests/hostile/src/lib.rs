@@ -13,6 +13,7 @@ pub mod damage;
 pub mod documents;
 pub mod images;
 pub mod meshes;
+pub mod messages;
 pub mod pickles;
 pub mod recordings;
 pub mod requests;
@@ -59,6 +60,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", meshes::IN_CAPTURES),
         named("zip", documents::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
+        named("mcap", messages::FAULTS),
     ]
     .concat();
     files(seed, kinds)

@@ -146,7 +146,9 @@ pub(super) fn meaning(topic: &Topic) -> Meaning {
     let depth = || Meaning::Depth { rank: names::depth_rank(&topic.name) };
     let other = |because: &str| Meaning::Other(because.to_owned());
     match (content, says) {
-        (Content::Depth, Says::Color) => other("it holds numbers as depth does, but its name says colour"),
+        (Content::Depth, Says::Color) => {
+            other("it holds numbers as depth does, but its name says colour")
+        }
         (Content::Depth, _) | (Content::DeepGray | Content::File, Says::Depth) => depth(),
         (Content::DeepGray, Says::Color) | (Content::Gray, Says::Color | Says::Nothing) => {
             Meaning::Color { gray: true }

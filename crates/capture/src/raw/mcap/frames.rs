@@ -104,8 +104,7 @@ impl Frames for Reader<'_> {
 
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
         let unit_m = self.camera.depth.unit_m;
-        let decode =
-            |at: &str, image: &ImageData<'_>, size| images::depth(at, image, size, unit_m);
+        let decode = |at: &str, image: &ImageData<'_>, size| images::depth(at, image, size, unit_m);
         self.image(&self.camera.depth, frame, decode)
     }
 

@@ -21,10 +21,15 @@ const MILLIMETRE: f64 = 0.001;
 pub(super) fn color(at: &str, image: &ImageData<'_>, size: Size) -> Result<ColorImage, Error> {
     let Some(layout) = image.layout else { return compressed_color(at, image, size) };
     let Some(kind) = encodings::pixels(&image.encoding) else {
-        return Err(unknown(at, &image.encoding, "colour as docs/formats/capture.md, section 8, lists it"));
+        return Err(unknown(
+            at,
+            &image.encoding,
+            "colour as docs/formats/capture.md, section 8, lists it",
+        ));
     };
     same_size(at, &layout, size)?;
-    let extent = raw::extent(kind, size).ok_or_else(|| unknown(at, &image.encoding, "an even number of columns and rows"))?;
+    let extent = raw::extent(kind, size)
+        .ok_or_else(|| unknown(at, &image.encoding, "an even number of columns and rows"))?;
     let rows: Vec<&[u8]> = rows(at, &layout, image.data, extent)?.collect();
     let pixels = raw::colors(kind, size, &rows, layout.big_endian);
     Ok(Image { width: size[0], height: size[1], pixels })
@@ -148,8 +153,9 @@ fn compressed_depth(
     };
     let found = [side(0), side(4)];
     decode::alike(at, found, size)?;
-    let numbers = rvl::decode(data, found[0] * found[1])
-        .ok_or_else(|| damaged("its compressed depth (RVL) does not have as many pixels as it says"))?;
+    let numbers = rvl::decode(data, found[0] * found[1]).ok_or_else(|| {
+        damaged("its compressed depth (RVL) does not have as many pixels as it says")
+    })?;
     let metres = numbers.into_iter().map(|n| decode::measured(metres(n))).collect();
     decode::settle_depth(at, found, metres, size)
 }

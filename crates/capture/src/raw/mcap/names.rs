@@ -53,7 +53,8 @@ const COLOR: [&str; 8] = ["color", "colour", "rgb", "bgr", "gray", "grey", "mono
 /// Words of devices: `depth_camera` has colour, too.
 const DEVICES: [&str; 6] = ["camera", "cam", "sensor", "device", "driver", "node"];
 /// Words of the part of a name that says how images are sent, and not what they are.
-const SENT: [&str; 5] = ["image", "compressed", "compresseddepth", "raw", "rect"];
+const SENT: [&str; 8] =
+    ["image", "compressed", "compresseddepth", "raw", "rect", "hd", "qhd", "sd"];
 
 /// The words of a part of a name, in lower case, without numbers at their ends.
 fn words(part: &str) -> impl Iterator<Item = String> + '_ {
@@ -63,8 +64,12 @@ fn words(part: &str) -> impl Iterator<Item = String> + '_ {
 }
 
 /// What a topic's name says: the last part that says something counts, and of `depth_to_rgb` what
-/// comes before `to`.
+/// comes before `to`. That an image is a `color` one says least: depth may be drawn in colours.
 pub(super) fn says(topic: &str) -> Says {
+    if topic.contains("/stereo/image") || topic.contains("/stereo_raw/image") {
+        return Says::Neither("a pair of images side by side");
+    }
+    let mut is_color_image = false;
     for part in topic.rsplit('/') {
         let words: Vec<String> = words(part).take_while(|w| w != "to" && w != "from").collect();
         let has = |known: &[&str]| words.iter().any(|w| known.contains(&w.as_str()));
@@ -78,11 +83,13 @@ pub(super) fn says(topic: &str) -> Says {
         if words.iter().any(|w| w.starts_with("depth")) {
             return Says::Depth;
         }
-        if has(&COLOR) {
+        if has(&COLOR) && has(&["image"]) {
+            is_color_image = true;
+        } else if has(&COLOR) {
             return Says::Color;
         }
     }
-    Says::Nothing
+    if is_color_image { Says::Color } else { Says::Nothing }
 }
 
 /// How sure a topic's name is that its depth is aligned to colour: 2 if it says so, 1 if it says
@@ -90,8 +97,7 @@ pub(super) fn says(topic: &str) -> Says {
 pub(super) fn depth_rank(topic: &str) -> u8 {
     let aligned = |w: &str| w == "aligned" || w == "registered";
     let all: Vec<String> = topic.split('/').flat_map(words).collect();
-    let to_color =
-        all.windows(2).any(|w| w[0] == "to" && COLOR.contains(&w[1].as_str()));
+    let to_color = all.windows(2).any(|w| w[0] == "to" && COLOR.contains(&w[1].as_str()));
     if to_color || all.iter().any(|w| aligned(w)) {
         2
     } else {
@@ -131,8 +137,13 @@ pub(super) fn device(topic: &str) -> &str {
     while let Some((before, part)) = name.rsplit_once('/') {
         let of_image = words(part).all(|w| {
             let w = w.as_str();
-            SENT.contains(&w) || COLOR.contains(&w) || is_view(w) || w == "to" || w == "registered"
-                || w == "aligned" || w.starts_with("depth")
+            SENT.contains(&w)
+                || COLOR.contains(&w)
+                || is_view(w)
+                || w == "to"
+                || w == "registered"
+                || w == "aligned"
+                || w.starts_with("depth")
         });
         let says_device = words(part).any(|w| DEVICES.contains(&w.as_str()));
         if !of_image || says_device {
@@ -169,6 +180,9 @@ mod tests {
             ("/depth_camera/image_raw", Says::Nothing),
             ("/ir_camera/depth/image_raw", Says::Depth),
             ("/cam/image_raw", Says::Nothing),
+            ("/cam/image_color", Says::Color),
+            ("/stereo/left/image_raw", Says::Nothing),
+            ("/cam/depth/image_color", Says::Depth),
         ] {
             assert_eq!(says(topic), expected, "{topic}");
         }
@@ -182,6 +196,7 @@ mod tests {
             "/tof/amplitude",
             "/cam/color/overlay",
             "/cam/mask/hand",
+            "/zed/zed_node/stereo/image_rect_color",
         ] {
             assert!(matches!(says(topic), Says::Neither(_)), "{topic}");
         }
@@ -210,6 +225,7 @@ mod tests {
             ("/a/camera/color/image_raw", "/a/camera"),
             ("/k4a/rgb_to_depth/image_raw", "/k4a"),
             ("/left/image_raw", ""),
+            ("/kinect2/qhd/image_color_rect", "/kinect2"),
         ] {
             assert_eq!(device(topic), expected, "{topic}");
         }

@@ -219,9 +219,8 @@ impl<'a> Pass<'a> {
             region,
         };
         let log_ns = i64::try_from(log_time).unwrap_or(i64::MAX);
-        let wrong = |topic: &str| {
-            part.damaged(format!("a message of `{topic}` is not as its schema says"))
-        };
+        let wrong =
+            |topic: &str| part.damaged(format!("a message of `{topic}` is not as its schema says"));
         match self.channels.get(&channel) {
             Some(&Some(Role::Images { topic })) => self.image(topic, &message, log_ns),
             Some(Some(Role::Calibration { topic, wire })) => {

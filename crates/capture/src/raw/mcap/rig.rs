@@ -81,7 +81,12 @@ pub(super) fn recording(
         let lens_size = [calibration.width, calibration.height];
         if size.is_some_and(|size| size != lens_size) {
             let images = size.unwrap_or_default();
-            return Err(Error::LensSize { camera: name.clone(), images, info: info.to_owned(), lens: lens_size });
+            return Err(Error::LensSize {
+                camera: name.clone(),
+                images,
+                info: info.to_owned(),
+                lens: lens_size,
+            });
         }
         validity::check_size(name, lens_size, limits)?;
         let pose = |ns: i64| index.tree.pose(frame_id, &world, ns).turned(&frame);
@@ -294,9 +299,7 @@ fn note_taken(sources: &mut Sources, topics: &CameraTopics<'_>, unit_m: Option<f
         None => "1 is 0.001 m".to_owned(),
     };
     sources.take("depth", camera, &topics.depth.name, format!("{encoding}, {unit}"));
-    for (part, topic) in
-        [("object masks", topics.object), ("hand masks", topics.manipulator)]
-    {
+    for (part, topic) in [("object masks", topics.object), ("hand masks", topics.manipulator)] {
         if let Some(topic) = topic {
             sources.take(part, camera, &topic.name, form(topic));
         }

@@ -13,8 +13,7 @@ use super::*;
 use crate::raw::{
     self, Distortion, Intrinsics, Region,
     testing::{
-        FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, mask_png, pixels, png_file,
-        reason,
+        FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, mask_png, pixels, png_file, reason,
     },
 };
 

@@ -13,6 +13,9 @@ pub(super) const MAGIC: &[u8] = b"\x28\xb5\x2f\xfd";
 /// (RFC 8878). A decoder fills its window before it gives the first byte.
 pub(super) const MOST_WINDOW: u64 = 8 << 20;
 
+/// Bytes of one block at most.
+const MOST_BLOCK: u64 = 128 << 10;
+
 /// Window allowed for whole files, which are unpacked in memory anyway.
 pub(super) const MOST_FILE_WINDOW: u64 = 128 << 20;
 
@@ -43,7 +46,7 @@ pub(super) fn announced(packed: &[u8]) -> u64 {
         // RFC 8878, 3.1.1.1: without a single segment the second byte of the header is the window.
         (Some(_), [_, _, _, _, descriptor, window, ..]) if descriptor & 0x20 == 0 => {
             let base = 1_u64 << (10 + (window >> 3));
-            base + base / 8 * u64::from(window & 7)
+            (base + base / 8 * u64::from(window & 7)).max(MOST_BLOCK)
         }
         _ => 0,
     }

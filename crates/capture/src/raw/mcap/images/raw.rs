@@ -10,16 +10,12 @@ pub(super) fn extent(pixels: Pixels, [width, height]: Size) -> Option<[usize; 2]
         Pixels::Samples { count, deep, .. } => {
             Some([width.checked_mul(count)?.checked_mul(if deep { 2 } else { 1 })?, height])
         }
-        Pixels::Yuv422(_) => {
-            (width.is_multiple_of(2)).then_some([width.checked_mul(2)?, height])
-        }
+        Pixels::Yuv422(_) => (width.is_multiple_of(2)).then_some([width.checked_mul(2)?, height]),
         Pixels::Nv { .. } => {
             let even = width.is_multiple_of(2) && height.is_multiple_of(2);
             even.then_some([width, height.checked_add(height / 2)?])
         }
-        Pixels::Bayer { deep, .. } => {
-            Some([width.checked_mul(if deep { 2 } else { 1 })?, height])
-        }
+        Pixels::Bayer { deep, .. } => Some([width.checked_mul(if deep { 2 } else { 1 })?, height]),
     }
 }
 
@@ -125,10 +121,9 @@ mod tests {
     #[test]
     fn yuv_has_the_colours_of_opencv() {
         // White, black and red, as cv2.cvtColor gives them.
-        for (encoding, data) in [
-            ("yuv422_yuy2", [235, 128, 16, 128]),
-            ("yuv422", [128, 235, 128, 16]),
-        ] {
+        for (encoding, data) in
+            [("yuv422_yuy2", [235, 128, 16, 128]), ("yuv422", [128, 235, 128, 16])]
+        {
             assert_eq!(of(encoding, [2, 1], &data, false), [[255; 3], [0; 3]], "{encoding}");
         }
         let red = of("yuyv", [2, 1], &[81, 90, 81, 240], false);
@@ -149,8 +144,7 @@ mod tests {
             ("bayer_gbrg8", [1, 2, 0, 1]),
             ("bayer_grbg8", [1, 0, 2, 1]),
         ] {
-            let data: Vec<u8> =
-                (0..24).map(|i| color[order[i / 6 % 2 * 2 + i % 6 % 2]]).collect();
+            let data: Vec<u8> = (0..24).map(|i| color[order[i / 6 % 2 * 2 + i % 6 % 2]]).collect();
             assert_eq!(of(encoding, [6, 4], &data, false), [color; 24], "{encoding}");
         }
         let deep: Vec<u8> = [200, 100, 100, 50].iter().flat_map(|x| [7, *x]).collect();

@@ -23,8 +23,7 @@ struct Delay {
 
 impl Delay {
     fn of(images: &[Stamped]) -> Option<Self> {
-        let mut delays: Vec<i64> =
-            images.iter().map(|i| i.log_ns.saturating_sub(i.ns)).collect();
+        let mut delays: Vec<i64> = images.iter().map(|i| i.log_ns.saturating_sub(i.ns)).collect();
         delays.sort_unstable();
         let median_ns = *delays.get(delays.len() / 2)?;
         let stamped = images.last()?.ns.saturating_sub(images.first()?.ns) as f64;
@@ -82,8 +81,7 @@ pub(super) fn join(topics: &mut [&mut Topic]) -> Option<Finding> {
     );
     let advice = "set all drivers to the system's clock (RealSense: `global_time_enabled`); \
                   docs/use/cameras.md#time";
-    let finding =
-        Finding { advice: advice.into(), ..Finding::warning("CLOCKS_JOINED", message) };
+    let finding = Finding { advice: advice.into(), ..Finding::warning("CLOCKS_JOINED", message) };
     (!moved.is_empty()).then_some(finding)
 }
 

@@ -54,10 +54,13 @@ fn distortion(c: &Calibration) -> Result<Distortion, String> {
             [k1, k2, k3, k4, rest @ ..] if rest.iter().all(|d| *d == 0.0) => {
                 Ok(Distortion::KannalaBrandt([*k1, *k2, *k3, *k4]))
             }
-            _ => Err(format!("its distortion is `{model}` with {} coefficients: it has 4", c.d.len())),
+            _ => Err(format!(
+                "its distortion is `{model}` with {} coefficients: it has 4",
+                c.d.len()
+            )),
         };
     }
-    if !matches!(c.model.as_str(), "plumb_bob" | "rational_polynomial" | "radtan" | "thin_prism" | "tilted") {
+    if !matches!(c.model.as_str(), "plumb_bob" | "rational_polynomial" | "radtan") {
         return Err(format!(
             "its distortion is `{model}`: plumb_bob, rational_polynomial and equidistant are known. Rectify the images \
              (image_proc) and record image_rect"
@@ -75,7 +78,10 @@ fn distortion(c: &Calibration) -> Result<Distortion, String> {
         ));
     }
     Distortion::brown_conrady(rational).ok_or_else(|| {
-        format!("its distortion is `{model}` with {} coefficients: 4, 5, 8, 12 or 14 are known", c.d.len())
+        format!(
+            "its distortion is `{model}` with {} coefficients: 4, 5, 8, 12 or 14 are known",
+            c.d.len()
+        )
     })
 }
 
@@ -84,7 +90,11 @@ mod tests {
     use super::*;
 
     fn of(model: &str, d: &[f64]) -> Result<Distortion, String> {
-        distortion(&Calibration { model: model.to_owned(), d: d.to_vec(), ..Calibration::default() })
+        distortion(&Calibration {
+            model: model.to_owned(),
+            d: d.to_vec(),
+            ..Calibration::default()
+        })
     }
 
     #[test]

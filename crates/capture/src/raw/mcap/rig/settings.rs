@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 /// Keys of the record; those of a topic's unit have its name after them.
-const KEYS: &str = "world_frame, up_axis, ground_height_m, train_frame_count, depth_unit_m, depth_unit_m:TOPIC";
+const KEYS: &str =
+    "world_frame, up_axis, ground_height_m, train_frame_count, depth_unit_m, depth_unit_m:TOPIC";
 
 /// Metres that each 1 of depth may be.
 const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e3;

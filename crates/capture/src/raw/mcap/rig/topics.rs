@@ -106,8 +106,7 @@ pub(super) fn choose<'a>(
                 sources.leave_out(&topic.name, because);
                 continue;
             };
-            let place =
-                if is_object { &mut camera.object } else { &mut camera.manipulator };
+            let place = if is_object { &mut camera.object } else { &mut camera.manipulator };
             match place {
                 Some(other) if other.images.len() >= topic.images.len() => {
                     sources.leave_out(&topic.name, format!("`{}` has the same masks", other.name));
@@ -122,12 +121,14 @@ pub(super) fn choose<'a>(
     }
     for (depth, _) in &sorted.depth {
         let Some(camera) = cameras.iter().find(|c| c.frame_id() == frame_of(depth)) else {
-            let because = format!("it is in the frame `{}`, in which no colour was taken", frame_of(depth));
+            let because =
+                format!("it is in the frame `{}`, in which no colour was taken", frame_of(depth));
             sources.leave_out(&depth.name, because);
             continue;
         };
         if !std::ptr::eq(camera.depth, *depth) {
-            let because = format!("`{}` was taken as the depth of `{}`", camera.depth.name, camera.name);
+            let because =
+                format!("`{}` was taken as the depth of `{}`", camera.depth.name, camera.name);
             sources.leave_out(&depth.name, because);
         }
     }
@@ -151,13 +152,7 @@ fn with_depth<'a>(
         let (color, gray) = one_view(frame_id, &topics, depth, sources)?;
         match sorted.depth_of(color) {
             Some(depth) => cameras.push((
-                CameraTopics {
-                    name: String::new(),
-                    color,
-                    depth,
-                    object: None,
-                    manipulator: None,
-                },
+                CameraTopics { name: String::new(), color, depth, object: None, manipulator: None },
                 gray || names::is_mapped(&color.name),
             )),
             None => without.push(color),
@@ -170,12 +165,14 @@ fn with_depth<'a>(
         match beside {
             Some((camera, _)) => sources.leave_out(
                 &color.name,
-                format!("no depth is in its frame `{}`, and `{}` shows the same device's view", frame_of(color), camera.color.name),
+                format!(
+                    "no depth is in its frame `{}`, and `{}` shows the same device's view",
+                    frame_of(color),
+                    camera.color.name
+                ),
             ),
-            None if !own_depth && !cameras.is_empty() => sources.leave_out(
-                &color.name,
-                format!("no depth is in its frame `{}`", frame_of(color)),
-            ),
+            None if !own_depth && !cameras.is_empty() => sources
+                .leave_out(&color.name, format!("no depth is in its frame `{}`", frame_of(color))),
             None => return Err(unaligned(sorted, color)),
         }
     }
@@ -278,8 +275,7 @@ fn name_all(cameras: &mut [CameraTopics<'_>]) {
     let names: Vec<String> = cameras.iter().map(|camera| camera_name(camera.color)).collect();
     for (camera, name) in cameras.iter_mut().zip(&names) {
         let alone = names.iter().filter(|other| *other == name).count() == 1;
-        camera.name =
-            if alone { name.clone() } else { format!("{name} ({})", camera.frame_id()) };
+        camera.name = if alone { name.clone() } else { format!("{name} ({})", camera.frame_id()) };
     }
 }
 

@@ -5,20 +5,21 @@ use std::{fs, path::Path};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use super::{
-    expect_whole, file as written,
+    Wishes, expect_whole, file as written,
     made::{Message, camera, file, healthy},
-    Wishes,
 };
 use crate::{
-    Error, Limits, Opened, files_read, open,
+    Error, Limits, Opened,
     check::testing::{FileMap, pack},
+    files_read, open,
     raw::{
         self, Recording,
         testing::{FRAMES, color_at, folder, reason},
     },
 };
 
-const METADATA: &str = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
+const METADATA: &str =
+    "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
 
 fn zstd(bytes: &[u8]) -> Vec<u8> {
     compress_to_vec(bytes, CompressionLevel::Fastest)
@@ -99,7 +100,8 @@ fn several_recordings_in_a_folder_are_refused() {
     assert_eq!(reason(recording), "SEVERAL_CAPTURES");
     assert!(text.contains("mcap merge run_0.mcap run_1.mcap"), "{text}");
     let later = |seconds: i64| {
-        let moved = healthy().into_iter().map(|m| Message { ns: m.ns + seconds * 1_000_000_000, ..m });
+        let moved =
+            healthy().into_iter().map(|m| Message { ns: m.ns + seconds * 1_000_000_000, ..m });
         file(&moved.collect::<Vec<_>>())
     };
     let apart = bag(["run_0.mcap", "run_1.mcap"], [file(&healthy()), later(60)]);
@@ -128,8 +130,8 @@ fn archives_have_recordings_too() {
 
 fn stored_zip(files: &FileMap) -> Vec<u8> {
     use std::io::Write;
-    let options = zip::write::SimpleFileOptions::default()
-        .compression_method(zip::CompressionMethod::Stored);
+    let options =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, bytes) in files {
         zip.start_file(name.as_str(), options).unwrap();
@@ -183,16 +185,17 @@ fn what_unpacks_a_thousandfold_is_refused() {
     for path in [path.as_path(), folder.path()] {
         assert_eq!(reason(raw::open(path, &small)), "MCAP_TOO_LARGE_FOR_MEMORY");
     }
-    // Many messages, each of which unpacks to a little.
-    let mut bomb = healthy();
-    let data = bomb.iter().find(|m| m.kind == "Image").map(|m| m.data.clone()).unwrap();
-    let data = zstd(&[data, vec![0; 4 << 20]].concat());
-    for message in bomb.iter_mut().filter(|m| m.kind == "Image") {
-        message.data.clone_from(&data);
+    // Messages of 4 MiB of zeros that say so: a single segment, and blocks of four bytes each.
+    let mut frame = b"\x28\xb5\x2f\xfd\xa0\x00\x00\x40\x00".to_vec();
+    for block in 0..32_u32 {
+        let head = (128 << 10 << 3) | (1 << 1) | u32::from(block == 31);
+        frame.extend(&head.to_le_bytes()[..3]);
+        frame.push(0);
     }
-    let many: Vec<Message> = bomb.iter().cycle().take(20 * bomb.len()).cloned().collect();
-    assert_eq!(reason(super::opened(&file(&many)).1), "ARCHIVE_BOMB");
-    // A message that is damaged, and one that is larger than any image.
+    let bombs: Vec<Message> =
+        healthy().into_iter().map(|m| Message { data: frame.clone(), ..m }).collect();
+    assert_eq!(reason(super::opened(&file(&bombs)).1), "ARCHIVE_BOMB");
+    // Damaged messages.
     let mut damaged = healthy();
     for message in damaged.iter_mut().filter(|m| m.kind == "Image") {
         message.data = zstd(&message.data)[..20].to_vec();

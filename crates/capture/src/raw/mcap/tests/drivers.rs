@@ -11,9 +11,7 @@ use super::{
 };
 use crate::raw::{
     Recording,
-    testing::{
-        FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, pixels, png_file, reason,
-    },
+    testing::{FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, pixels, png_file, reason},
 };
 
 fn read(messages: &[Message]) -> (tempfile::TempDir, Recording) {
@@ -110,9 +108,8 @@ fn confidence_disparity_and_infrared_are_no_depth() {
 
 #[test]
 fn pictures_of_depth_and_infrared_are_no_cameras() {
-    let picture = |topic: &str, frame_id: &str| {
-        images(topic, frame_id, "rgb8", |_, _, _| vec![1, 2, 3])
-    };
+    let picture =
+        |topic: &str, frame_id: &str| images(topic, frame_id, "rgb8", |_, _, _| vec![1, 2, 3]);
     let more = [
         picture("/cam0/depth/image_color", "cam0_depth"),
         picture("/cam0/overlay/image", &optical(0)),
@@ -209,7 +206,7 @@ fn colour_that_was_mapped_onto_depth_is_no_second_camera() {
 #[test]
 fn colour_comes_in_the_encodings_of_drivers() {
     let with = |color: Vec<Message>| {
-        let all = [without(camera(0, "/cam0"), "color/image_raw"), color].concat();
+        let all = [without(camera(0, "/cam0"), "/color/image_raw"), color].concat();
         let (_guard, recording) = read(&all);
         let mut frames = recording.source.frames(0).unwrap();
         frames.color(1).unwrap().unwrap()
@@ -232,14 +229,13 @@ fn colour_comes_in_the_encodings_of_drivers() {
         assert_eq!(color.get(3, 2), Some([255; 3]), "{encoding}");
     }
     let bayer = |_| {
-        let data: Vec<u8> =
-            pixels().map(|(c, r)| if (c + r) % 2 == 0 { 90 } else { 40 }).collect();
+        let data: Vec<u8> = pixels().map(|(c, r)| if (c + r) % 2 == 0 { 90 } else { 40 }).collect();
         png_file(WIDTH, HEIGHT, png::ColorType::Grayscale, false, &data)
     };
     let color = with(files(topic, &optical(0), "bayer_grbg8; png compressed bayer_grbg8", bayer));
     assert_eq!(color.get(3, 2), Some([40, 90, 40]));
     let unread = images(topic, &optical(0), "yuv444", |_, _, _| vec![0; 3]);
-    let all = [without(camera(0, "/cam0"), "color/image_raw"), unread].concat();
+    let all = [without(camera(0, "/cam0"), "/color/image_raw"), unread].concat();
     let (code, text) = fault(&all);
     assert_eq!(code, "TOPICS_UNCLEAR");
     assert!(text.contains(topic) && text.contains("`yuv444`"), "{text}");
@@ -320,7 +316,7 @@ fn compressed_depth_comes_as_png_and_rvl_of_integers_and_floats() {
 #[test]
 fn a_lens_of_another_size_than_the_images_is_one_fault() {
     let color = |topic: &str, compressed: bool| {
-        let all = without(without(camera(0, "/cam0"), "camera_info"), "color/image_raw");
+        let all = without(without(camera(0, "/cam0"), "camera_info"), "/color/image_raw");
         let images = if compressed {
             files(topic, &optical(0), "png", |frame| color_png(0, frame))
         } else {

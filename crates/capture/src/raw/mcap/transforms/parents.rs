@@ -152,11 +152,8 @@ mod tests {
         assert_eq!(unclear.parents, ["left", "right"]);
         let equal = [&two[..], &[("world", "left", true), ("world", "right", true)]].concat();
         assert!(parent(&equal, &["optical"]).is_err());
-        let moving = [
-            ("world", "optical", false),
-            ("link", "optical", true),
-            ("world", "link", true),
-        ];
+        let moving =
+            [("world", "optical", false), ("link", "optical", true), ("world", "link", true)];
         assert!(parent(&moving, &["optical"]).is_err());
     }
 }
