@@ -130,6 +130,18 @@ pub enum Error {
         /// Bytes allowed.
         limit: u64,
     },
+    /// An MCAP file that was compressed as a whole and is larger than what may be held in memory.
+    #[error(
+        "`{at}` unpacks to more than {limit} bytes, and a compressed file is held in memory: unpack it with `zstd -d {at}`, \
+         or record with `--compression-mode message`"
+    )]
+    #[problem(ResourceExhausted, "MCAP_TOO_LARGE_FOR_MEMORY")]
+    McapInMemory {
+        /// The file.
+        at: String,
+        /// Bytes allowed.
+        limit: u64,
+    },
     /// Two entries of one name.
     #[error("the archive has several entries of the same name: pack the folder anew")]
     #[problem(InvalidArgument, "ARCHIVE_DUPLICATE_NAME")]
@@ -371,7 +383,7 @@ pub enum Error {
     /// Depth in a frame other than colour's.
     #[error(
         "camera `{camera}`: no depth images have the frame_id of its colour, `{frame_id}` (there is {found}): \
-         record depth aligned to colour, such as aligned_depth_to_color"
+         record depth aligned to colour, such as aligned_depth_to_color; docs/use/cameras.md#depth"
     )]
     #[problem(InvalidArgument, "DEPTH_NOT_ALIGNED")]
     DepthNotAligned {
@@ -382,6 +394,31 @@ pub enum Error {
         /// The depth topics that there are.
         found: String,
     },
+    /// A CameraInfo of another resolution than the images that it belongs to.
+    #[error(
+        "camera `{camera}`: its images are {} x {} pixels, and `{info}` describes images of {} x {}: record the camera_info \
+         of these images, or images of that size; docs/use/cameras.md#calibration",
+        images[0], images[1], lens[0], lens[1]
+    )]
+    #[problem(InvalidArgument, "LENS_SIZE_MISMATCH")]
+    LensSize {
+        /// The camera's name.
+        camera: String,
+        /// Columns and rows of its images.
+        images: [usize; 2],
+        /// The topic of the CameraInfo.
+        info: String,
+        /// Columns and rows that the CameraInfo describes.
+        lens: [usize; 2],
+    },
+    /// Topics of images between which nothing decides, or none that is read.
+    #[error("{0}")]
+    #[problem(InvalidArgument, "TOPICS_UNCLEAR")]
+    Topics(String),
+    /// Coordinate frames that do not place the cameras.
+    #[error("{0}")]
+    #[problem(InvalidArgument, "TRANSFORMS_UNCLEAR")]
+    Transforms(String),
     /// A camera that a recording does not have.
     #[error("the recording has no camera number {0}")]
     #[problem(InvalidArgument, "NO_SUCH_CAMERA")]

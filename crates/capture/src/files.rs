@@ -5,6 +5,7 @@ pub(crate) mod contents;
 mod listing;
 pub(crate) mod other;
 mod part;
+mod section;
 mod storage;
 mod tar;
 mod zip;
@@ -20,6 +21,7 @@ use std::{
 use self::storage::Storage;
 pub(crate) use self::{
     listing::{Contents, shortened},
+    section::Section,
     storage::SharedFile,
 };
 use crate::{Error, Limits, limits::Budget};
@@ -198,7 +200,7 @@ impl<'a> Files<'a> {
                     let mut storage = file.map(|file| Storage::File(BufReader::new(file)));
                     storage.as_mut().and_then(|file| other::recognise(name, file))
                 }
-                _ => other::packed(name),
+                Source::Zip(_) | Source::Tar(..) => other::packed(name),
             };
             if let Some(known) = known {
                 return known;
@@ -278,11 +280,44 @@ impl<'a> Files<'a> {
         if let Some(error) = bytes.as_ref().and_then(|bytes| other::disguised(name, bytes)) {
             return Err(error);
         }
-        if let (Some(_), Some(names)) = (&bytes, &self.read) {
+        if bytes.is_some() {
+            self.note_read(name);
+        }
+        Ok(bytes)
+    }
+
+    /// A file that must exist, to be read where it lies; one that is compressed in an archive is
+    /// read into memory.
+    pub(crate) fn section(&mut self, name: &str) -> Result<Section, Error> {
+        let full = format!("{}{name}", self.prefix);
+        let found = match &mut self.source {
+            Source::Folder(root) => {
+                let io = |source| Error::Io { at: full.clone(), source };
+                Some(Section::of_file(SharedFile::open(&root.join(&full)).map_err(io)?))
+            }
+            Source::Zip(archive) => match self.entries.get(&full) {
+                Some(&index) => zip::section(archive, index, &full)?,
+                None => None,
+            },
+            Source::Tar(storage, members) => {
+                let member = self.entries.get(&full).and_then(|index| members.get(*index));
+                match member {
+                    Some(&member) => tar::section(storage, member, &full)?,
+                    None => None,
+                }
+            }
+        };
+        let Some(section) = found else { return self.read(name).map(Section::of_memory) };
+        self.note_read(name);
+        Ok(section)
+    }
+
+    /// Keeps the name of a file that is read, if anybody wants to know.
+    fn note_read(&self, name: &str) {
+        if let Some(names) = &self.read {
             let name = self.full_name(name);
             names.lock().unwrap_or_else(PoisonError::into_inner).insert(name);
         }
-        Ok(bytes)
     }
 
     /// Refuses a file that stands in for another: a pointer of Git LFS, a web page.

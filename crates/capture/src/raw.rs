@@ -26,10 +26,7 @@ mod tracks;
 mod usable;
 mod validity;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::Path, sync::Arc};
 
 use bendtwin_core::{Environment, Finding, Point};
 
@@ -57,8 +54,8 @@ use crate::{
 /// # Errors
 /// If there is no recording, its description is damaged or impossible, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
-    match Place::at(path)? {
-        Place::Mcap(file) => open_mcap(&file, limits),
+    match Place::at(path) {
+        Place::Mcap(file) => open_mcap(file, limits),
         Place::Markers(path) => {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let there = "which has markers and no images".to_owned();
@@ -70,14 +67,19 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
 
 /// Opens the recording in an MCAP file.
 pub(crate) fn open_mcap(file: &Path, limits: &Limits) -> Result<Recording, Error> {
-    let mut recording = mcap::read(file, limits)?;
+    let mut recording = mcap::read_file(file, limits)?;
     validity::settle(&mut recording, limits)?;
     Ok(recording)
 }
 
-/// The MCAP file at a path, if there is one.
-pub(crate) fn mcap_at(path: &Path) -> Result<Option<PathBuf>, Error> {
-    mcap::file_at(path)
+/// `true` if an MCAP file lies at a path, which may be compressed as a whole.
+pub(crate) fn is_mcap_at(path: &Path) -> bool {
+    mcap::is_at(path)
+}
+
+/// `true` if a file is MCAP by its name, which may be compressed as a whole.
+pub(crate) fn is_mcap(name: &str) -> bool {
+    mcap::is_named(name)
 }
 
 /// The recording among these files.
@@ -87,11 +89,12 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
         return Err(files.unknown());
     }
     // Points that were tracked already are passed over.
-    let with_images = [Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
+    let with_images = [Format::Mcap, Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
     let format = Format::all(&files.list("")).find(|format| with_images.contains(format));
     let document = files.find_document(CALIBRATION_FILE)?;
     let calibration = document.map(|bytes| Calibration::read(&bytes, &limits)).transpose()?;
     let mut recording = match format {
+        Some(Format::Mcap) => mcap::read(files)?,
         Some(Format::Bundle) => bundle::read(files)?,
         Some(Format::Nerfstudio) => nerfstudio::read(files)?,
         Some(Format::RawPhysTwin) => phystwin::read(files, calibration.as_ref())?,

@@ -56,7 +56,7 @@ pub enum Opened {
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
-    match Place::at(path)? {
+    match Place::at(path) {
         Place::Arrays(path) => {
             let capture = mocap::read_npz(path, &path.with_extension("json"), limits)?;
             Ok(Opened::Observed(capture, Remarks::default()))
@@ -66,7 +66,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
             validate(&capture)?;
             Ok(Opened::Observed(capture, remarks))
         }
-        Place::Mcap(file) => raw::open_mcap(&file, limits).map(Opened::Raw),
+        Place::Mcap(file) => raw::open_mcap(file, limits).map(Opened::Raw),
         Place::Files(path) => open_files(&mut Files::open(path, limits)?),
     }
 }
@@ -86,7 +86,7 @@ pub(crate) fn open_files(files: &mut Files<'static>) -> Result<Opened, Error> {
 
 pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Remarks), Error> {
     let mut remarks = Remarks::default();
-    let capture = match Place::at(path)? {
+    let capture = match Place::at(path) {
         Place::Arrays(path) => mocap::read_npz(path, &path.with_extension("json"), limits)?,
         Place::Markers(path) => {
             let (capture, remarks) = mocap::read_markers(path, limits)?;

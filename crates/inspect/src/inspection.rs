@@ -7,9 +7,7 @@ use bendtwin_capture::{
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    Code, Finding, Verdict, alike, consequences, finding, picture_inputs::PictureInputs,
-};
+use crate::{Code, Finding, Verdict, alike, consequences, finding, picture_inputs::PictureInputs};
 
 /// The kind of capture that was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 //! ([`healthy`]), which have none.
 //!
 //! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
-//! data ([`footage`]), in files ([`files`]), their names ([`naming`]) and masks ([`masks`]), and in
-//! archives ([`archives`]). A user of this crate
+//! data ([`footage`]), in files ([`files`]), their names ([`naming`]) and masks ([`masks`]), in
+//! archives ([`archives`]), and in recordings of robots ([`robots`]). A user of this crate
 //! calls [`Broken::make`] and compares the diagnosis with the expected one.
 
 pub mod archives;
@@ -15,6 +15,7 @@ pub mod grids;
 pub mod healthy;
 pub mod masks;
 pub mod naming;
+pub mod robots;
 pub mod starts;
 pub mod streams;
 
@@ -70,6 +71,8 @@ enum Make {
     Archive(fn(&files::FileMap) -> Vec<u8>),
     /// Changes a folder with a case.
     Folder(fn(&std::path::Path)),
+    /// Changes messages of a robot's recording.
+    Robot(fn(&mut robots::Robot)),
     /// Changes the camera data.
     Footage(fn(&mut Footage)),
 }
@@ -82,6 +85,7 @@ impl Broken {
             Make::Bundle(change) => files::stored(files::bundle(), change),
             Make::Archive(pack) => archives::stored(&pack(files::case())),
             Make::Folder(change) => files::changed_folder(change),
+            Make::Robot(change) => robots::stored(change),
             Make::Footage(change) => {
                 let mut footage = footage::healthy();
                 change(&mut footage);
@@ -102,6 +106,7 @@ pub fn all() -> Vec<Broken> {
         files::all(),
         naming::all(),
         masks::all(),
+        robots::all(),
         archives::all(),
     ]
     .concat()

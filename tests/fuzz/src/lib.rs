@@ -60,6 +60,7 @@ pub const TARGETS: &[Target] = &[
         run: requests::rollout_message,
         seeds: seeds::rollout_message,
     },
+    Target { name: "ros_image", run: recordings::ros_image, seeds: seeds::ros_image },
     Target { name: "settings", run: requests::settings, seeds: seeds::settings },
     Target { name: "splats", run: splats::splats, seeds: seeds::splats },
     Target { name: "tar", run: archives::tar, seeds: seeds::tar },

@@ -4,7 +4,7 @@
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
     Fault, Rng, arrays, calibrations, damage, documents, images, markers, masks as mask_files,
-    meshes, pickles, recordings, requests, samples, splats, torch_files, twin_files,
+    meshes, messages, pickles, recordings, requests, samples, splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
 use prost::Message as _;
@@ -110,7 +110,12 @@ pub(crate) fn jpeg() -> Vec<Vec<u8>> {
 pub(crate) fn mcap() -> Vec<Vec<u8>> {
     let [lz4, zstd] = samples::mcap();
     let plain = recordings::file(&recordings::records(&lz4));
-    with_faults(vec![lz4, zstd, plain], recordings::FAULTS)
+    let faults = [recordings::FAULTS, messages::FAULTS].concat();
+    with_faults(vec![lz4, zstd, plain], &faults)
+}
+
+pub(crate) fn ros_image() -> Vec<Vec<u8>> {
+    with_damage(messages::valid())
 }
 
 pub(crate) fn lz4() -> Vec<Vec<u8>> {

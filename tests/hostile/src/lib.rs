@@ -17,6 +17,7 @@ pub mod images;
 pub mod markers;
 pub mod masks;
 pub mod meshes;
+pub mod messages;
 pub mod pickles;
 pub mod recordings;
 pub mod requests;
@@ -65,6 +66,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", calibrations::IN_CAPTURES),
         named("zip", masks::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
+        named("mcap", messages::FAULTS),
         named("markers", markers::FAULTS),
     ]
     .concat();

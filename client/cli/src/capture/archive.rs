@@ -15,7 +15,7 @@ use crate::failure::Usage;
 
 /// Extensions of files that are compressed already: deflating them again costs time and saves
 /// nothing.
-const COMPRESSED_EXTENSIONS: [&str; 16] = [
+const COMPRESSED_EXTENSIONS: [&str; 17] = [
     "png",
     "jpg",
     "jpeg",
@@ -25,6 +25,7 @@ const COMPRESSED_EXTENSIONS: [&str; 16] = [
     "zip",
     "gz",
     "zst",
+    "zstd",
     "mcap",
     "mp4",
     "mkv",

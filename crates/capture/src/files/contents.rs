@@ -29,7 +29,7 @@ pub struct FilesRead {
 /// # Errors
 /// Those of [`crate::open`].
 pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
-    let mut files = match Place::at(path)? {
+    let mut files = match Place::at(path) {
         Place::Mcap(file) => {
             let name = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into();
             return Ok(FilesRead {

@@ -15,6 +15,7 @@ use tar::{Archive, EntryType};
 
 use super::{
     Names, is_plain, read_capped,
+    section::Section,
     storage::{Metered, Storage, Unpacked},
     zip::{check_length, check_unpacked, directory_bytes},
 };
@@ -132,6 +133,18 @@ pub(super) fn first(storage: Storage<'_>, count: u64) -> Result<Vec<u8>, Error> 
     let mut bytes = Vec::new();
     let read = MultiGzDecoder::new(storage).take(count).read_to_end(&mut bytes);
     read.map_err(|e| damaged(&e)).map(|_| bytes)
+}
+
+/// A file of an archive where it lies; none if the archive is borrowed memory.
+pub(super) fn section(
+    storage: &Storage<'_>,
+    member: Member,
+    full: &str,
+) -> Result<Option<Section>, Error> {
+    if let Some(kind) = member.kind {
+        return Err(Error::ArchiveEntryKind { at: full.to_owned(), kind });
+    }
+    Ok(storage.section(member.start, member.size))
 }
 
 /// Unpacks gzip in memory, and takes what that needs from the limits of all that follows.

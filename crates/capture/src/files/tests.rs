@@ -327,7 +327,7 @@ fn formats_to_convert_are_recognized_by_their_content() {
     assert!(text.contains("mcap convert take_0.db3"), "{text}");
     let packed = pack(&FileMap::from([("take/take_0.mcap".to_owned(), vec![0])]));
     let text = read_bytes("x", &packed, &Limits::default()).unwrap_err().to_string();
-    assert!(text.contains("one folder (take)"), "{text}");
+    assert!(text.contains("`take` is a raw recording"), "{text}");
 }
 
 #[test]

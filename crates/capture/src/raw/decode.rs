@@ -93,6 +93,21 @@ fn samples(at: &str, bytes: &[u8], size: Size) -> Result<Samples, Error> {
     }
 }
 
+/// Columns and rows of a PNG or JPEG file, without decoding it; `None` if it is damaged.
+pub(super) fn size_of(bytes: &[u8]) -> Option<Size> {
+    let mut size = None;
+    let stop = |found| {
+        size = Some(found);
+        Err(damaged("", ""))
+    };
+    if bytes.starts_with(png::MAGIC) {
+        let _stopped = png::decode("", bytes, false, stop);
+    } else if bytes.starts_with(jpeg::MAGIC) {
+        let _stopped = jpeg::decode("", bytes, stop);
+    }
+    size
+}
+
 fn same_size(at: &str, found: Size, needed: Size) -> Result<(), Error> {
     if found == needed {
         return Ok(());

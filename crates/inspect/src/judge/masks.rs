@@ -55,7 +55,8 @@ fn not_followed(context: &Context<'_>) -> Option<Finding> {
     let images = context.scans.iter().map(seen).max()?;
     let shows = |g: &FrameStats| g.object.is_some_and(|p| p.area_px > 0);
     let frames = 0..context.recording.frame_count;
-    let shown = frames.filter(|f| context.scans.iter().any(|s| s.frames.get(*f).is_some_and(shows)));
+    let shown =
+        frames.filter(|f| context.scans.iter().any(|s| s.frames.get(*f).is_some_and(shows)));
     let is_one = images >= limits.min_followed_frames && shown.take(2).count() == 1;
     if most == 0 || (share(most, images) > limits.min_masked_share && !is_one) {
         return None;

@@ -12,7 +12,9 @@ from pathlib import Path
 _CHUNK_BYTES = 256 * 1024
 #: Contents that are compressed already: deflating them again costs time and saves nothing.
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".mp4", ".mkv", ".avi")
-_COMPRESSED = frozenset((*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".mcap", ".glb", ".pth"))
+_COMPRESSED = frozenset(
+    (*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".zstd", ".mcap", ".glb", ".pth")
+)
 
 
 @contextmanager
