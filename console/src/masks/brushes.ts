@@ -5,6 +5,9 @@ import { BRUSHES, RADII, type Part } from './strokes';
 /** Magnifications of the images. */
 const ZOOMS = [1, 2, 4, 8] as const;
 
+/** Columns of an image for each pixel of the first brush's radius. */
+const COLUMNS_PER_PX = 200;
+
 /** What the tools call. */
 export interface ToolActions {
   undo(): void;
@@ -24,6 +27,7 @@ export class Tools {
   readonly #undo: HTMLButtonElement;
   readonly #redo: HTMLButtonElement;
   readonly #zoom: HTMLSelectElement;
+  readonly #size: HTMLInputElement;
 
   constructor(private readonly actions: ToolActions) {
     this.#brushes = new Map(
@@ -41,11 +45,8 @@ export class Tools {
       h('button', { type: 'button', 'aria-keyshortcuts': keys, title: `${text} (${keys.replace('Control', 'Ctrl')})`, onclick }, text);
     this.#undo = button('Undo', 'Control+Z', () => actions.undo());
     this.#redo = button('Redo', 'Control+Shift+Z', () => actions.redo());
-    const size = h('input', { type: 'range', min: RADII.least, max: RADII.most, value: RADII.initial });
-    size.addEventListener('input', () => {
-      this.radius = size.valueAsNumber;
-      actions.changed();
-    });
+    this.#size = h('input', { type: 'range', min: RADII.least, max: RADII.most, value: RADII.initial });
+    this.#size.addEventListener('input', () => this.#resize());
     this.#zoom = h('select', {}, ...ZOOMS.map((factor) => h('option', { value: factor }, `${factor} ×`)));
     this.#zoom.addEventListener('change', () => actions.zoom(Number(this.#zoom.value)));
     const shows = h('input', { type: 'checkbox', checked: true });
@@ -62,7 +63,7 @@ export class Tools {
         { class: 'row' },
         this.#undo,
         this.#redo,
-        h('label', { class: 'masks-choice' }, 'Size', size),
+        h('label', { class: 'masks-choice' }, 'Size', this.#size),
         h('label', { class: 'masks-choice' }, 'Zoom', this.#zoom),
         h('label', { class: 'masks-choice' }, shows, 'Show masks'),
       ),
@@ -77,6 +78,14 @@ export class Tools {
     this.actions.changed();
   }
 
+  /** Makes the brush small enough for images of this many columns. */
+  suit(columns: number): void {
+    const radius = Math.max(Math.round(columns / COLUMNS_PER_PX), RADII.least);
+    if (radius >= this.radius) return;
+    this.#size.value = String(radius);
+    this.#resize();
+  }
+
   /** The next larger magnification, or the next smaller one. */
   zoomBy(direction: 1 | -1): void {
     const index = ZOOMS.findIndex((factor) => String(factor) === this.#zoom.value) + direction;
@@ -84,6 +93,12 @@ export class Tools {
     if (factor === undefined) return;
     this.#zoom.value = String(factor);
     this.actions.zoom(factor);
+  }
+
+  #resize(): void {
+    this.radius = this.#size.valueAsNumber;
+    this.#size.setAttribute('aria-valuetext', `radius of ${this.radius} pixels`);
+    this.actions.changed();
   }
 
   /** Shows which ways back there are. */

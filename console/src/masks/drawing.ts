@@ -55,15 +55,21 @@ export function drawStroke(
   if (first === undefined) return;
   // The centre of the first pixel is half a pixel from the edge.
   const place = ([x, y]: readonly [number, number]): [number, number] => [(x + 0.5) * scale, (y + 0.5) * scale];
-  const width = Math.max(2 * radius * scale, 6 * ratio);
+  const isClick = points.length === 1;
+  // A click stays to be seen, however small the brush is.
+  const width = Math.max(2 * radius * scale, (isClick ? 16 : 6) * ratio);
   context.save();
   context.lineCap = 'round';
   context.lineJoin = 'round';
-  context.beginPath();
-  context.moveTo(...place(first));
-  // A line of no length is drawn as its round caps: a click.
-  for (const point of points.length === 1 ? [first] : points.slice(1)) context.lineTo(...place(point));
   for (const [style, more] of [['rgb(0 0 0 / 60%)', 2 * ratio], [colourOf(part), 0]] as const) {
+    context.beginPath();
+    if (isClick) {
+      context.arc(...place(first), (width + more) / 2, 0, 2 * Math.PI);
+      context.fillStyle = style;
+      context.fill();
+      continue;
+    }
+    points.forEach((point, i) => (i === 0 ? context.moveTo(...place(point)) : context.lineTo(...place(point))));
     context.strokeStyle = style;
     context.lineWidth = width + more;
     context.stroke();

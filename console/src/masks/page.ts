@@ -122,6 +122,7 @@ class MasksPage {
           moved: (frame) => this.#name(frame),
         });
         this.#strokeList = new StrokeList(this.#strokes, this.#workspace.names, (frame) => this.#workspace?.seek(frame));
+        this.#tools.suit(Math.min(...sequence.cameras.map(({ size }) => size[0])));
         const several = file.head.sequences.some(({ recording }) => recording !== sequence.recording);
         this.#place.replaceChildren(
           several ? h('p', { class: 'hint' }, 'This capture has several recordings; the first is shown.') : '',
@@ -191,6 +192,8 @@ class MasksPage {
     this.#strokeList?.show();
     this.#workspace?.showStrokes();
     this.#job.update(capture.ingest);
+    // How a reading ended that followed no marks is told on the page of the capture.
+    this.#job.element.hidden = !isUnderWay && sent.length === 0;
     const hasMasks = this.#workspace?.hasMasks ?? false;
     const canUse = isHere && !isUnderWay && isRead && hasMasks && !isNew && sent.length > 0 && !hasPoints(capture);
     const run = (until: 'masks' | 'points') => async (): Promise<void> => {

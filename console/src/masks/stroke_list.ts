@@ -35,7 +35,7 @@ export class StrokeList {
       const clear = h('button', { type: 'button', class: 'small', onclick: () => this.strokes.clear() }, 'Remove all');
       this.element.replaceChildren(
         this.#heading,
-        h('ol', { class: 'plain' }, ...rows.map((index) => this.#row(index))),
+        h('ul', { class: 'plain' }, ...rows.map((index) => this.#row(index))),
         first > 0 ? h('p', { class: 'hint' }, `${counted(first, 'earlier mark')} not listed`) : '',
         clear,
       );

@@ -39,7 +39,7 @@ export class TimeStrip {
   ) {
     this.#images = new Images(camera, read, undefined, 1);
     const place = h('div', { class: 'masks-time' }, this.#strip, this.#bar);
-    this.element = h('div', { class: 'masks-line' }, h('h3', {}, h('bdi', {}, camera.name)), place, this.#text);
+    this.element = h('div', { class: 'masks-line' }, h('p', { class: 'masks-name' }, h('bdi', {}, camera.name)), place, this.#text);
     const point = (event: PointerEvent): void => {
       const { left, width } = place.getBoundingClientRect();
       seek(Math.floor(((event.clientX - left) / Math.max(width, 1)) * frameCount));

@@ -17,7 +17,7 @@ const KINDS = [
     label: 'Masks of another tool',
     hint: 'A ZIP or tar archive with a folder mask/.',
     accept: '.zip,.tar,.gz,.tgz',
-    file: 'masks.zip',
+    file: 'masks',
     section: 'masks',
     // Marks would make other masks.
     change: { until: 'points', strokes: [] } as Settings,
@@ -69,8 +69,9 @@ export class Supplements {
     const remove = async (): Promise<void> => {
       const question = { title: `Remove the ${kind.kind}?`, text: 'The next reading is without them.', action: 'Remove', isDangerous: true };
       if (!(await confirm(question))) return;
-      await this.context.api.fetch(path, { method: 'DELETE', signal: this.context.signal });
-      await this.#changed(`${kind.label}: removed.`, {});
+      const { api, signal } = this.context;
+      await api.fetch(path, { method: 'DELETE', signal });
+      this.#changed(await api.get('/v1/captures/{id}', { id: this.id, signal }), `${kind.label}: removed.`, {});
     };
     const current = there && h(
       'div',
@@ -90,8 +91,8 @@ export class Supplements {
     this.#next.replaceChildren(h('p', {}, `Sending ${size(file.size)}…`));
     try {
       const headers = { 'content-type': 'application/octet-stream' };
-      await context.api.fetch(path, { method: 'PUT', body: file, headers, signal: context.signal });
-      await this.#changed(`${label}: added.`, change);
+      const sent = { method: 'PUT', body: file, headers, signal: context.signal };
+      this.#changed(await context.api.json<Capture>(path, sent), `${label}: added.`, change);
     } catch (error) {
       this.#next.replaceChildren();
       if (!context.signal.aborted) this.#faults.replaceChildren(problemBox(error));
@@ -101,9 +102,8 @@ export class Supplements {
   }
 
   /** Shows the capture as it is now, and offers to read it again with it. */
-  async #changed(text: string, change: Settings): Promise<void> {
+  #changed(capture: Capture, text: string, change: Settings): void {
     const { context } = this;
-    const capture = await context.api.get('/v1/captures/{id}', { id: this.id, signal: context.signal });
     this.show(capture);
     this.onChange(capture);
     const again = async (): Promise<void> => {
