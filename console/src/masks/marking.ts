@@ -114,6 +114,15 @@ export class Marking {
     this.draw(this.#shown);
   }
 
+  /** Gives the image the focus, with the cursor at a place. */
+  focus([column, row]: Place): void {
+    this.#cursor = [Math.round(column), Math.round(row)];
+    this.#isKeyboard = true;
+    this.#canvas.focus();
+    this.#scrollToCursor();
+    this.desk.redraw();
+  }
+
   /** Draws a frame: the image, the masks, the strokes, and the brush. */
   draw(frame: number): void {
     this.#shown = frame;

@@ -121,7 +121,7 @@ class MasksPage {
           fail: (error) => this.#fail(error),
           moved: (frame) => this.#name(frame),
         });
-        this.#strokeList = new StrokeList(this.#strokes, this.#workspace.names, (frame) => this.#workspace?.seek(frame));
+        this.#strokeList = new StrokeList(this.#strokes, this.#workspace.names, (stroke) => this.#workspace?.reveal(stroke));
         this.#tools.suit(Math.min(...sequence.cameras.map(({ size }) => size[0])));
         const several = file.head.sequences.some(({ recording }) => recording !== sequence.recording);
         this.#place.replaceChildren(

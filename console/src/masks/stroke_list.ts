@@ -3,7 +3,7 @@ import { counted } from '../ui/format';
 import { isolated } from '../pages/parts/text';
 import { colourOf } from './drawing';
 import { described } from './marking';
-import type { Strokes } from './strokes';
+import type { Stroke, Strokes } from './strokes';
 
 /** Strokes that are listed; of more only the last are. */
 const MOST = 100;
@@ -12,16 +12,20 @@ const MOST = 100;
 export class StrokeList {
   readonly element = h('section', { class: 'masks-strokes', 'aria-labelledby': 'masks-marks' });
   readonly #heading = h('h2', { id: 'masks-marks', tabindex: '-1' });
+  #shown: readonly Stroke[] | null = null;
 
   constructor(
     private readonly strokes: Strokes,
     private readonly cameras: readonly string[],
-    /** Shows the frame of a stroke. */
-    private readonly seek: (frame: number) => void,
+    /** Shows a stroke in its image. */
+    private readonly reveal: (stroke: Stroke) => void,
   ) {}
 
+  /** Shows the strokes, if they have changed. */
   show(): void {
     const { all } = this.strokes;
+    if (all === this.#shown) return;
+    this.#shown = all;
     const hadFocus = this.element.contains(document.activeElement);
     this.#heading.textContent = all.length === 0 ? 'Marks' : counted(all.length, 'mark');
     if (all.length === 0) {
@@ -55,7 +59,7 @@ export class StrokeList {
       'li',
       {},
       h('span', {}, swatch, text),
-      button('Show', () => this.seek(stroke.frame)),
+      button('Show', () => this.reveal(stroke)),
       button('Remove', () => this.strokes.remove(index)),
     );
   }

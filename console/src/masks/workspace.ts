@@ -11,6 +11,9 @@ import { Marking } from './marking';
 import type { Stroke, Strokes } from './strokes';
 import { TimeStrip, doubtLegend } from './time_strip';
 
+/** Turn of the wheel for a step of magnification [pixels of scrolling]. */
+const TURN = 80;
+
 /** What the images of a playback are marked with. */
 export interface Surroundings {
   readonly context: PageContext;
@@ -35,6 +38,8 @@ export class Workspace {
   readonly #timeline: Timeline;
   #isDrawing = false;
   #loading = -1;
+  /** Turn of the wheel since the last step of magnification. */
+  #turned = 0;
 
   constructor(
     file: PlaybackFile,
@@ -75,10 +80,12 @@ export class Workspace {
       else this.seek(found);
     });
     const isDoubtful = nextDoubtful(doubts, 0) !== null;
+    const images = h('div', { class: 'masks-cameras' }, ...this.#cameras.map(({ element }) => element));
+    images.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
     this.element = h(
       'div',
       { class: 'masks-work' },
-      h('div', { class: 'masks-cameras' }, ...this.#cameras.map(({ element }) => element)),
+      images,
       h('section', { class: 'masks-times', 'aria-label': 'Time' },
         this.#timeline.element,
         ...this.#strips.map(({ element }) => element),
@@ -91,6 +98,12 @@ export class Workspace {
   seek(frame: number): void {
     this.clock.pause();
     this.clock.seek(frame);
+  }
+
+  /** Shows a stroke, with the cursor at its start. */
+  reveal({ camera, frame, points }: Stroke): void {
+    this.seek(frame);
+    if (points[0] !== undefined) this.#cameras[camera]?.focus(points[0]);
   }
 
   toggle(): void {
@@ -125,6 +138,16 @@ export class Workspace {
   dispose(): void {
     this.clock.pause();
     for (const view of [...this.#cameras, ...this.#strips]) view.dispose();
+  }
+
+  /** With Ctrl held the wheel magnifies, as it does pages. */
+  #wheel(event: WheelEvent): void {
+    if (!event.ctrlKey) return;
+    event.preventDefault();
+    this.#turned += event.deltaY;
+    if (Math.abs(this.#turned) < TURN) return;
+    this.around.tools.zoomBy(this.#turned < 0 ? 1 : -1);
+    this.#turned = 0;
   }
 
   #changed(): void {
