@@ -5,10 +5,16 @@ import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import type { CameraHead } from '../../src/playback/file/head';
 
-/** The board as a person would describe it, sizes in metres; it lies around the origin, below the object. */
-export const BOARD = { columns: 5, rows: 4, square: 0.08, marker: 0.064, dictionary: 'DICT_4X4_50' } as const;
+/** The board as a person would describe it, sizes in metres; it lies around the origin, larger
+ * than what hides it. */
+export const BOARD = { columns: 10, rows: 8, square: 0.1, marker: 0.075, dictionary: 'DICT_4X4_50' } as const;
 /** Codes of the first markers of the dictionary, row by row, the first module in the highest bit. */
-const CODES = [0xb532, 0x0f9a, 0x332d, 0x9946, 0x549e, 0x79cd, 0x9e2e, 0xc4f2, 0xfeda, 0xcf56];
+const CODES = [
+  0xb532, 0x0f9a, 0x332d, 0x9946, 0x549e, 0x79cd, 0x9e2e, 0xc4f2, 0xfeda, 0xcf56, 0xf991, 0x11a7, 0x0eb7, 0x2a0f,
+  0x24b1, 0x263e, 0x4665, 0x6600, 0x6c5e, 0x76af, 0x868b, 0xb02b, 0xccd5, 0xdd82, 0xfe47, 0x9471, 0xace4, 0xa554,
+  0x2123, 0x346f, 0x4415, 0x57b2, 0x9ecf, 0xf0cb, 0x08ae, 0x0929, 0x1875, 0x04ff, 0x0df6, 0x1c5a, 0x1718, 0x2a28,
+  0x328c, 0x38b2, 0x24e8, 0x2eeb, 0x2d3f, 0x4b64, 0x502e, 0x5013,
+];
 
 /** Paints the board into all colour images of a case, where neither object nor hand hides it. */
 export async function paintBoard(page: Page, folder: string, cameras: readonly Placed[]): Promise<void> {
