@@ -31,7 +31,7 @@ impl Rpc {
 /// A route of an RPC.
 #[derive(Debug)]
 pub struct Route {
-    /// `GET`, `POST`, `PATCH` or `DELETE`.
+    /// `GET`, `POST`, `PUT`, `PATCH` or `DELETE`.
     pub method: &'static str,
     /// The path, `/v1/fits/{id}`.
     pub path: &'static str,

@@ -30,9 +30,9 @@ pub(crate) use tokens::{Bearer, Child, Tokens};
 pub enum Scope {
     /// Make, list and revoke keys.
     Admin,
-    /// Read captures, their reports, observations and playbacks.
+    /// Read captures and everything that belongs to them.
     CapturesRead,
-    /// Upload, change, read again and delete captures.
+    /// Upload captures, add files to them, change, read again and delete them.
     CapturesWrite,
     /// Read fits and their losses.
     FitsRead,

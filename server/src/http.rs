@@ -9,6 +9,7 @@ mod evaluations;
 mod events;
 mod extract;
 mod gateway;
+mod guide;
 mod message;
 mod operations;
 pub(crate) mod origin;
@@ -35,6 +36,7 @@ pub(crate) fn router(app: &App, grpc: &axum::Router) -> axum::Router {
         .merge(by_hand().router)
         .merge(docs::router())
         .merge(console::router())
+        .merge(guide::router())
         .route_layer(axum::middleware::from_fn(root_service::authorize))
         .route_layer(axum::middleware::from_fn(root_service::note_route));
     with_fallbacks(router).with_state(app.clone())
@@ -108,6 +110,10 @@ pub(crate) fn by_hand() -> Routes {
         .on("GET", "/v1/captures/{id}/report.html", captures::report_page)
         .on("GET", "/v1/captures/{id}/observation", captures::observation)
         .on("GET", "/v1/captures/{id}/playback", captures::playback)
+        .on("GET", "/v1/captures/{id}/masks", captures::masks)
+        .on("PUT", "/v1/captures/{id}/supplements/{kind}", captures::add_supplement)
+        .on("GET", "/v1/captures/{id}/supplements/{kind}", captures::supplement)
+        .on("DELETE", "/v1/captures/{id}/supplements/{kind}", captures::delete_supplement)
         .on("GET", "/v1/captures/{id}/events", events::watch_ingest)
         .on("GET", "/v1/fits/{id}/events", events::watch)
         .on("POST", "/v1/twins", twins::create)

@@ -1,4 +1,4 @@
-//! An ingest job from lease to observation, playback and report. Captures are untrusted files, so
+//! An ingest job from lease to observation, masks, playback and report. Captures are untrusted files, so
 //! each is read in a separate process, confined and under limits of memory and time: a crash of
 //! that process harms neither worker nor server.
 //!
@@ -16,16 +16,18 @@ mod process;
 mod protocol;
 mod sandbox;
 
-use std::{path::PathBuf, time::Duration};
+use std::{io, path::PathBuf, time::Duration};
 
-use bendtwin_core::{Category, Fault, Problem as _};
+use bendtwin_core::{Category, Fault, Problem as _, settings::ingest::IngestSettings};
 use bendtwin_proto::worker::v1::lease_job_request::Kind;
-use tempfile::TempDir;
+use tempfile::{NamedTempFile, TempDir};
 use tokio_util::sync::CancellationToken;
 
 use self::{
     child::Child,
-    protocol::{ARCHIVE, CHECKPOINT, Request},
+    protocol::{
+        ARCHIVE, CHECKPOINT, EARLIER_MASKS, Request, SUPPLEMENT_CALIBRATION, SUPPLEMENT_MASKS,
+    },
 };
 pub use self::{
     process::ingest_capture,
@@ -36,7 +38,7 @@ use crate::{
     leasing::Execute,
 };
 
-/// Bytes of an archive for which the child gets another second.
+/// Bytes of input for which the child gets another second.
 const BYTES_PER_SECOND: u64 = 1 << 20;
 
 /// Executor of ingest jobs.
@@ -48,7 +50,7 @@ pub(crate) struct Ingests {
     pub(crate) program: PathBuf,
     /// Memory that the child may take [bytes].
     pub(crate) memory_bytes: u64,
-    /// Time that it may take, beside that for the size of the archive.
+    /// Time that it may take, beside that for the size of its input.
     pub(crate) time: Duration,
     /// Demand on its confinement.
     pub(crate) sandbox: Sandbox,
@@ -88,8 +90,8 @@ impl Execute for Ingests {
 }
 
 impl Ingests {
-    /// Prepares a folder for the child: archive, checkpoint and request. Also returns the time that
-    /// the child may take.
+    /// Prepares a folder for the child: archive, supplements, earlier masks, checkpoint and request.
+    /// Also returns the time that the child may take.
     async fn prepare(&self, job: &LeasedJob) -> Result<(TempDir, Duration), Fault> {
         let disk = |source: std::io::Error| Fault {
             category: Category::ResourceExhausted,
@@ -98,9 +100,22 @@ impl Ingests {
         };
         let folder =
             tempfile::Builder::new().prefix("ingest-").tempdir_in(&self.dir).map_err(disk)?;
+        let keep = |file: NamedTempFile, name: &str| -> io::Result<u64> {
+            Ok(file.persist(folder.path().join(name))?.metadata()?.len())
+        };
         let archive = job.fetch_capture(folder.path()).await.map_err(|e| e.fault())?;
-        let archive = archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
-        let bytes = archive.metadata().map_err(disk)?.len();
+        let mut bytes = keep(archive, ARCHIVE).map_err(disk)?;
+        for kind in job.supplements() {
+            let Some(name) = supplement_name(kind) else { return Err(unknown_supplement(kind)) };
+            let file = job.fetch_supplement(kind, folder.path()).await.map_err(|e| e.fault())?;
+            bytes += keep(file, name).map_err(disk)?;
+        }
+        if has_strokes(job.settings_json()) {
+            let masks = job.fetch_masks(folder.path()).await.map_err(|e| e.fault())?;
+            if let Some(masks) = masks {
+                bytes += keep(masks, EARLIER_MASKS).map_err(disk)?;
+            }
+        }
         let time = self.time + Duration::from_secs(bytes / BYTES_PER_SECOND);
         let checkpoint = job.fetch_checkpoint().await.map_err(|e| e.fault())?;
         if let Some(checkpoint) = checkpoint {
@@ -122,6 +137,36 @@ impl Ingests {
     }
 }
 
+/// Name of the file that the child reads a supplement from.
+fn supplement_name(kind: &str) -> Option<&'static str> {
+    match kind {
+        "masks" => Some(SUPPLEMENT_MASKS),
+        "calibration" => Some(SUPPLEMENT_CALIBRATION),
+        _ => None,
+    }
+}
+
+/// The fault of an input that a newer server knows. To read the capture without it would be wrong.
+fn unknown_supplement(kind: &str) -> Fault {
+    Fault {
+        category: Category::Unavailable,
+        reason: "SUPPLEMENT_UNKNOWN".to_owned(),
+        message: format!(
+            "this worker is older than the server and does not know the supplement `{kind}`: start \
+             workers of the server's version"
+        ),
+    }
+}
+
+/// True if masks are to be made of strokes. The child reports settings that cannot be read.
+fn has_strokes(settings_json: &str) -> bool {
+    serde_json::from_str::<IngestSettings>(settings_json)
+        .is_ok_and(|settings| !settings.strokes.is_empty())
+}
+
 fn stopped() -> Fault {
     bendtwin_ingest::Error::Cancelled.fault()
 }
+
+#[cfg(test)]
+mod tests;

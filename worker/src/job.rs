@@ -85,6 +85,37 @@ impl LeasedJob {
         artifact::fetch_file(&self.server, self.capture(), digest, dir).await
     }
 
+    /// The kinds of files that were added to the capture.
+    pub(crate) fn supplements(&self) -> impl Iterator<Item = &str> {
+        self.lease.supplements.iter().map(|supplement| supplement.kind.as_str())
+    }
+
+    /// A file that was added to the capture, in a temporary file in `dir`.
+    pub(crate) async fn fetch_supplement(
+        &self,
+        kind: &str,
+        dir: &Path,
+    ) -> Result<NamedTempFile, FetchError> {
+        let found = self.lease.supplements.iter().find(|supplement| supplement.kind == kind);
+        let digest = found.map(|supplement| supplement.digest.as_str());
+        let name = format!("{}/supplements/{kind}", self.capture());
+        artifact::fetch_file(&self.server, &name, digest, dir).await
+    }
+
+    /// The masks that the ingest before made of strokes, if there are any, in a temporary file in
+    /// `dir`.
+    pub(crate) async fn fetch_masks(
+        &self,
+        dir: &Path,
+    ) -> Result<Option<NamedTempFile>, FetchError> {
+        if self.lease.masks_digest.is_empty() {
+            return Ok(None);
+        }
+        let digest = Some(self.lease.masks_digest.as_str());
+        let name = format!("{}/masks", self.capture());
+        artifact::fetch_file(&self.server, &name, digest, dir).await.map(Some)
+    }
+
     /// The observation that the ingest of the capture made, in a temporary file in `dir`.
     pub(crate) async fn fetch_observation(&self, dir: &Path) -> Result<NamedTempFile, FetchError> {
         let digest = Some(self.lease.observation_digest.as_str());

@@ -1,13 +1,16 @@
-//! `bendtwin capture`: make, check, upload, list, edit and read captures.
+//! `bendtwin capture`: make, check, upload, complete, list, edit and read captures.
 
+mod add;
 mod archive;
 mod check;
 mod export;
 mod ingest;
 pub(crate) mod make;
+mod masks;
 pub(crate) mod push;
 mod reading;
 mod report;
+mod strokes;
 
 use std::path::PathBuf;
 
@@ -68,6 +71,12 @@ enum Command {
     },
     /// Let the server read a capture again, for example with other settings
     Ingest(ingest::IngestArgs),
+    /// Add masks or a calibration to a capture on the server, for its next ingest
+    Add(add::Add),
+    /// Remove files that were added to a capture
+    Remove(add::Remove),
+    /// Download the masks that the server made of clicks
+    Masks(masks::Masks),
     /// Delete captures; their twins are kept
     Delete {
         /// captures/{uuid}
@@ -108,6 +117,9 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
             output::print(global, &capture, || shown(&capture))
         }
         Command::Ingest(args) => ingest::run(args, global).await,
+        Command::Add(args) => add::run(args, global).await,
+        Command::Remove(args) => add::remove(args, global).await,
+        Command::Masks(args) => masks::run(args, global).await,
         Command::Delete { names } => {
             let client = global.connect().await?;
             for name in &names {
@@ -121,8 +133,14 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
 fn shown(capture: &bendtwin_client::Capture) -> String {
     let fault = capture.ingest.fault.as_ref();
     let recorder = Some(&capture.recorded_by).filter(|name| !name.is_empty());
+    let added: Vec<_> = capture
+        .supplements
+        .iter()
+        .map(|added| format!("{} ({})", added.kind, output::bytes(added.size_bytes)))
+        .collect();
+    let added = Some(added.join(", ")).filter(|added| !added.is_empty());
     format!(
-        "{}\n  what     {}{}{}\n  created  {:.0}\n  size     {}\n  digest   {}\n  read     {}{}",
+        "{}\n  what     {}{}{}\n  created  {:.0}\n  size     {}\n  digest   {}{}\n  read     {}{}{}",
         capture.name,
         capture.display_name,
         recorder.map(|name| format!("\n  recorded by {name}")).unwrap_or_default(),
@@ -130,7 +148,9 @@ fn shown(capture: &bendtwin_client::Capture) -> String {
         capture.create_time,
         output::bytes(capture.size_bytes),
         capture.digest,
+        added.map(|added| format!("\n  added    {added}")).unwrap_or_default(),
         reading::status(capture),
+        if capture.masks { "\n  masks    made of clicks" } else { "" },
         fault.map(|f| format!("\n  because  {f}")).unwrap_or_default()
     )
 }

@@ -60,6 +60,8 @@ class Fake(
     fit_request: fit_pb2.CreateFitRequest | None = None
     rollout_request: rollout_pb2.RollOutRequest | None = None
     ingest_request: capture_pb2.IngestCaptureRequest | None = None
+    supplement: capture_pb2.SupplementMetadata | None = None
+    removed: capture_pb2.DeleteSupplementRequest | None = None
     update: object = None
     listed: object = None
     reads: int = job_pb2.Job.SUCCEEDED
@@ -112,6 +114,24 @@ class Fake(
     def ExportObservation(self, request, context):
         yield capture_pb2.ExportObservationResponse(chunk=b"PK")
         yield capture_pb2.ExportObservationResponse(chunk=b"points")
+
+    def ExportMasks(self, request, context):
+        yield capture_pb2.ExportMasksResponse(chunk=b"PK")
+        yield capture_pb2.ExportMasksResponse(chunk=b"masks")
+
+    def AddSupplement(self, messages, context):
+        self.supplement = next(messages).metadata
+        self.uploaded = b"".join(m.chunk for m in messages)
+        capture = capture_pb2.Capture(name=self.supplement.name, masks=True)
+        capture.supplements.add(kind=self.supplement.kind, size_bytes=len(self.uploaded))
+        return capture_pb2.AddSupplementResponse(capture=capture)
+
+    def ExportSupplement(self, request, context):
+        yield capture_pb2.ExportSupplementResponse(chunk=request.kind.encode())
+
+    def DeleteSupplement(self, request, context):
+        self.removed = request
+        return capture_pb2.DeleteSupplementResponse()
 
     def ListCaptures(self, request, context):
         self.listed = request

@@ -54,6 +54,21 @@ def test_a_batch_comes_back_whole_and_in_parts(address):
     assert parts == [0, 1]
 
 
+def test_masks_are_added_and_downloaded(address, fake, tmp_path):
+    (tmp_path / "case" / "mask").mkdir(parents=True)
+    (tmp_path / "case" / "mask" / "0.png").write_bytes(b"png")
+
+    async def work(client):
+        added = await client.add_masks(CAPTURE, tmp_path / "case")
+        await client.add_calibration(CAPTURE, {"format": "bendtwin-calibration"})
+        await client.download_masks(CAPTURE, tmp_path / "masks.zip")
+        return added
+
+    assert run(address, work).supplements[0].kind == "masks"
+    assert (fake.supplement.kind, fake.uploaded[:1]) == ("calibration", b"{")
+    assert (tmp_path / "masks.zip").read_bytes() == b"PKmasks"
+
+
 def test_calls_run_at_the_same_time(address):
     actions = np.zeros((1, 2, 1, 3), np.float32)
 

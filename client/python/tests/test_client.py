@@ -1,3 +1,4 @@
+import json
 import zipfile
 from io import BytesIO
 
@@ -172,3 +173,50 @@ def test_no_server_is_unavailable():
 def test_a_twin_is_exported(client, tmp_path):
     client.export_twin(TWIN, tmp_path / "twin.safetensors")
     assert (tmp_path / "twin.safetensors").read_bytes() == b"safetensors"
+
+
+def test_masks_are_added_to_a_capture_as_a_folder_an_archive_or_bytes(client, fake, tmp_path):
+    case = tmp_path / "rope"
+    (case / "mask" / "0" / "object").mkdir(parents=True)
+    (case / "mask" / "0" / "object" / "0.png").write_bytes(b"png")
+    (case / "color.png").write_bytes(b"not a mask")
+    captured = client.add_masks(CAPTURE, case)
+    assert (fake.supplement.name, fake.supplement.kind) == (CAPTURE, "masks")
+    assert captured.masks
+    assert [(s.kind, s.size_bytes) for s in captured.supplements] == [("masks", len(fake.uploaded))]
+    # The folder of the masks itself is the same.
+    for folder in (case, case / "mask"):
+        client.add_masks(CAPTURE, folder)
+        with zipfile.ZipFile(BytesIO(fake.uploaded)) as archive:
+            assert archive.namelist() == ["mask/0/object/0.png"]
+    (tmp_path / "masks.zip").write_bytes(b"an archive")
+    client.add_masks(CAPTURE, tmp_path / "masks.zip")
+    assert fake.uploaded == b"an archive"
+    client.add_masks(CAPTURE, b"x" * 700_000)
+    assert fake.uploaded == b"x" * 700_000
+    (tmp_path / "empty").mkdir()
+    for missing in ("empty", "nothing"):
+        with pytest.raises(FileNotFoundError):
+            client.add_masks(CAPTURE, tmp_path / missing)
+
+
+def test_a_calibration_is_added_downloaded_and_removed(client, fake, tmp_path):
+    document = {"format": "bendtwin-calibration", "version": 1, "cameras": []}
+    path = tmp_path / "calibration.json"
+    path.write_text(json.dumps(document))
+    for given in (document, path, path.read_bytes()):
+        client.add_calibration(CAPTURE, given)
+        assert fake.supplement.kind == "calibration"
+        assert json.loads(fake.uploaded) == document
+    client.download_supplement(CAPTURE, "calibration", tmp_path / "out")
+    assert (tmp_path / "out").read_bytes() == b"calibration"
+    client.delete_supplement(CAPTURE, "calibration")
+    assert (fake.removed.name, fake.removed.kind) == (CAPTURE, "calibration")
+
+
+def test_masks_of_strokes_are_downloaded(client, fake, tmp_path):
+    stroke = {"part": "object", "camera": 0, "points": [[120, 88]]}
+    client.ingest_capture(CAPTURE, {"until": "masks", "strokes": [stroke]})
+    assert json.loads(fake.ingest_request.settings_json)["strokes"] == [stroke]
+    client.download_masks(CAPTURE, tmp_path / "masks.zip")
+    assert (tmp_path / "masks.zip").read_bytes() == b"PKmasks"

@@ -1,20 +1,23 @@
 //! Captures.
 
+mod supplements;
 mod uploads;
 
 use std::{path::Path, time::Duration};
 
 use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_proto::v1::{
-    CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest, GetCaptureReportRequest,
-    GetCaptureRequest, IngestCaptureRequest, WatchIngestRequest,
+    CancelIngestRequest, DeleteCaptureRequest, ExportMasksRequest, ExportObservationRequest,
+    GetCaptureReportRequest, GetCaptureRequest, IngestCaptureRequest, WatchIngestRequest,
     capture_service_client::CaptureServiceClient, get_capture_report_request::Format,
 };
-use futures::TryStreamExt as _;
+use bytes::Bytes;
+use futures::{Stream, TryStreamExt as _};
 use hyper::Method;
 use serde::Deserialize;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio_util::io::ReaderStream;
+use tonic::Status;
 use url::Url;
 use uuid::Uuid;
 
@@ -26,6 +29,7 @@ use crate::{
     resources::if_any,
     watch,
 };
+pub use supplements::SupplementKind;
 use uploads::Sender;
 
 /// Most attempts at an upload.
@@ -45,6 +49,14 @@ pub struct Captures {
 #[derive(Deserialize)]
 struct Created {
     name: CaptureId,
+}
+
+/// Address that a file is sent to.
+struct Destination<'d> {
+    method: Method,
+    url: &'d str,
+    /// Idempotency key of a creation.
+    key: Option<&'d str>,
 }
 
 impl Captures {
@@ -76,19 +88,12 @@ impl Captures {
         facts: impl Into<CaptureFacts>,
         sent: impl Fn(u64) + Clone + Send + Sync + 'static,
     ) -> Result<Capture, Error> {
-        let (facts, digest) = (facts.into(), digest_of(file).await?);
+        let facts = facts.into();
+        let mut url = Url::parse(&format!("{}/v1/captures", self.url)).map_err(Error::malformed)?;
+        url.query_pairs_mut().extend_pairs(facts.pairs()?);
         let key = Uuid::new_v4().to_string();
-        let mut attempt = 1;
-        loop {
-            match self.send(file, &facts, &digest, &key, sent.clone()).await {
-                Ok(name) => return self.get(name).await,
-                Err(error) if error.is_transient() && attempt < ATTEMPTS => {
-                    attempt += 1;
-                    tokio::time::sleep(RETRY_INTERVAL).await;
-                }
-                Err(error) => return Err(error),
-            }
-        }
+        let to = Destination { method: Method::POST, url: url.as_str(), key: Some(&key) };
+        self.send(file, "application/zip", to, sent).await
     }
 
     /// Uploads a capture archive (ZIP) over tus 1.0.0. A failure of the connection or the server
@@ -123,12 +128,34 @@ impl Captures {
         }
     }
 
+    /// Streams a file to an address that answers with a capture. A broken connection is retried.
     async fn send(
         &self,
+        file: &Path,
+        media_type: &'static str,
+        to: Destination<'_>,
+        sent: impl Fn(u64) + Clone + Send + Sync + 'static,
+    ) -> Result<Capture, Error> {
+        let digest = digest_of(file).await?;
+        let mut attempt = 1;
+        loop {
+            match self.send_once(file, media_type, &digest, &to, sent.clone()).await {
+                Ok(name) => return self.get(name).await,
+                Err(error) if error.is_transient() && attempt < ATTEMPTS => {
+                    attempt += 1;
+                    tokio::time::sleep(RETRY_INTERVAL).await;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    async fn send_once(
+        &self,
         path: &Path,
-        facts: &CaptureFacts,
+        media_type: &'static str,
         digest: &str,
-        key: &str,
+        to: &Destination<'_>,
         sent: impl Fn(u64) + Send + Sync + 'static,
     ) -> Result<CaptureId, Error> {
         let unreadable = |e: std::io::Error| Error::file(path, &e);
@@ -139,18 +166,17 @@ impl Captures {
             total += chunk.len() as u64;
             sent(total);
         });
-        let mut url = Url::parse(&format!("{}/v1/captures", self.url)).map_err(Error::malformed)?;
-        url.query_pairs_mut().extend_pairs(facts.pairs()?);
-        let response = self
+        let request = self
             .http
-            .request(Method::POST, url.as_str())
-            .header("content-type", "application/zip")
+            .request(to.method.clone(), to.url)
+            .header("content-type", media_type)
             .header("x-content-blake3", digest)
-            .header("content-length", length)
-            .header("idempotency-key", key)
-            .body(body)
-            .send()
-            .await?;
+            .header("content-length", length);
+        let request = match to.key {
+            Some(key) => request.header("idempotency-key", key),
+            None => request,
+        };
+        let response = request.body(body).send().await?;
         let created: Created = problem::success(response).await?.json().await?;
         Ok(created.name)
     }
@@ -239,14 +265,19 @@ impl Captures {
     /// # Errors
     /// If there is no observation yet, the file cannot be written, or the server cannot be asked.
     pub async fn export_observation(&self, name: CaptureId, file: &Path) -> Result<(), Error> {
-        let unwritable = |e: std::io::Error| Error::file(file, &e);
         let request = ExportObservationRequest { name: name.to_string() };
-        let mut chunks = self.service.clone().export_observation(request).await?.into_inner();
-        let mut out = tokio::fs::File::create(file).await.map_err(unwritable)?;
-        while let Some(part) = chunks.message().await? {
-            out.write_all(&part.chunk).await.map_err(unwritable)?;
-        }
-        out.flush().await.map_err(unwritable)
+        let chunks = self.service.clone().export_observation(request).await?.into_inner();
+        save(chunks.map_ok(|part| part.chunk), file).await
+    }
+
+    /// Writes the masks that the last ingest of a capture made of strokes to a file (ZIP).
+    ///
+    /// # Errors
+    /// If there are none, the file cannot be written, or the server cannot be asked.
+    pub async fn export_masks(&self, name: CaptureId, file: &Path) -> Result<(), Error> {
+        let request = ExportMasksRequest { name: name.to_string() };
+        let chunks = self.service.clone().export_masks(request).await?.into_inner();
+        save(chunks.map_ok(|part| part.chunk), file).await
     }
 
     /// Returns a capture.
@@ -293,6 +324,19 @@ impl Captures {
         self.service.clone().delete_capture(request).await?;
         Ok(())
     }
+}
+
+/// Writes chunks to a file.
+async fn save(
+    mut chunks: impl Stream<Item = Result<Bytes, Status>> + Unpin,
+    file: &Path,
+) -> Result<(), Error> {
+    let unwritable = |e: std::io::Error| Error::file(file, &e);
+    let mut out = tokio::fs::File::create(file).await.map_err(unwritable)?;
+    while let Some(chunk) = chunks.try_next().await? {
+        out.write_all(&chunk).await.map_err(unwritable)?;
+    }
+    out.flush().await.map_err(unwritable)
 }
 
 /// BLAKE3 of a file, hex.

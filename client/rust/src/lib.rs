@@ -93,7 +93,7 @@ pub use bendtwin_proto::v1::{
 };
 
 pub use self::{
-    captures::Captures,
+    captures::{Captures, SupplementKind},
     client::{CA_VARIABLE, Client, Readiness, ReadinessCheck},
     error::Error,
     evaluations::Evaluations,
@@ -103,7 +103,7 @@ pub use self::{
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
-    resources::{Capture, DeviceMemory, Fit, Job, Twin, Worker},
+    resources::{Capture, DeviceMemory, Fit, Job, Supplement, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,

@@ -43,6 +43,25 @@ pub struct Capture {
     pub ingest_requirements: Requirements,
     /// Who recorded it; empty if that was not stated.
     pub recorded_by: String,
+    /// Files that were added after the upload, one of each kind.
+    pub supplements: Vec<Supplement>,
+    /// True if the last ingest made masks of strokes.
+    pub masks: bool,
+}
+}
+
+resource! { v1::Supplement =>
+/// A file that was added to a capture, which ingests read beside the archive.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Supplement {
+    /// `masks` or `calibration`.
+    pub kind: String,
+    /// Size of the file [bytes].
+    pub size_bytes: u64,
+    /// BLAKE3 of the file, hex.
+    pub digest: String,
+    /// Time of storage.
+    pub create_time: Timestamp,
 }
 }
 

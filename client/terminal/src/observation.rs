@@ -8,7 +8,7 @@ use bendtwin_client::JobProgress;
 use bendtwin_core::{
     CancelToken, Capture, Fault, Observer, Stage, Views, settings::ingest::IngestSettings,
 };
-use bendtwin_ingest::{Progress, Step, ingest, views};
+use bendtwin_ingest::{Input, Progress, Step, ingest, views};
 
 use crate::progress::FitBar;
 
@@ -23,15 +23,14 @@ pub fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Observed, 
     let (name, settings) = (path.display().to_string(), IngestSettings::default());
     let mut bar = Bar { quiet, shown: None };
     let limits = Limits::default();
-    let read = ingest(path, &name, &settings, &limits, None, &mut bar, cancel);
+    let read = ingest(Input::new(path, &name), &settings, &limits, &mut bar, cancel);
     if let Some(bar) = bar.shown {
         bar.finish();
     }
     let read = read?;
-    let capture = read.capture?;
     let recording = read.recorded.first().and_then(Option::as_ref);
     let views = recording.and_then(|recording| views(recording, &mut |_| {}));
-    Ok((capture, views))
+    Ok((read.points()?, views))
 }
 
 /// Progress bar, shown only if there is more to do than to read.

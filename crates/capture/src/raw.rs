@@ -9,12 +9,14 @@ mod camera;
 mod clock;
 mod decode;
 mod encode;
+mod gripper;
 mod image;
 mod mcap;
 pub(crate) mod nerfstudio;
 mod numbering;
 mod phystwin;
 mod stored;
+mod supplement;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tracks;
@@ -32,9 +34,11 @@ pub(crate) use self::bundle::Section;
 pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     camera::{Camera, Distortion, Intrinsics, Pose},
+    gripper::{Gripper, Pad},
     image::{ColorImage, DepthImage, Image, Mask},
     nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
+    supplement::Supplements,
 };
 use crate::{
     Error, Limits, Sources,
@@ -108,6 +112,8 @@ pub struct Recording {
     pub source_to_world: [[f32; 3]; 3],
     /// The cameras; at least one.
     pub cameras: Vec<Camera>,
+    /// The grippers of a robot whose motion was recorded; none where masks show what moves the object.
+    pub grippers: Vec<Gripper>,
     /// Shape of the object, if it was modelled or completed.
     pub mesh: Option<MeshFile>,
     /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
@@ -121,6 +127,13 @@ pub struct Recording {
     pub sources: Sources,
     /// Source of the frames.
     pub source: Arc<dyn Source>,
+}
+
+impl Recording {
+    /// `true` if every camera has a pose.
+    pub fn is_calibrated(&self) -> bool {
+        self.cameras.iter().all(|camera| !camera.poses.is_empty())
+    }
 }
 
 /// A mesh as it lies in a recording, not parsed.

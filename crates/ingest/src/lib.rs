@@ -1,78 +1,119 @@
 //! Ingest: a capture of any kind becomes an observation, a report and a playback. It is opened,
-//! inspected, and lifted where it is raw. No transport: a worker and the command line call the same
-//! function.
+//! calibrated and masked if the settings say so, inspected, and lifted where it is raw. No transport: a
+//! worker and the command line call the same function.
 
 mod playback;
+mod prepare;
 mod progress;
 mod several;
 mod views;
 
 use std::path::Path;
 
-use bendtwin_capture::{self as capture, Limits, Opened, raw::Recording};
+use bendtwin_capture::{
+    self as capture, Limits, Opened,
+    raw::{Recording, Supplements},
+};
 use bendtwin_core::{
-    CancelToken, Capture, Fault, Finding, Observer, ObserverError, Problem, Severity,
-    settings::ingest::IngestSettings,
+    CancelToken, Capture, Category, Fault, Finding, Observer, ObserverError, Problem, Severity,
+    settings::ingest::{IngestSettings, Stage},
 };
 use bendtwin_inspect::{Inspection, Lifted, Report, inspect, inspect_observed};
 use bendtwin_lift::lift;
 
+use self::prepare::Prepared;
+
 pub use bendtwin_lift::Error;
-pub use playback::write_playback;
+pub use playback::{Played, write_playback};
 pub use progress::{Progress, Step};
 pub use views::{views, views_of_frame};
 
 /// Share of the work on a raw recording that is over when it has been inspected.
 const INSPECTED: f64 = 0.3;
 
-/// A capture ready to be fitted, and its report.
+/// What an ingest reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// Path of the capture.
+    pub path: &'a Path,
+    /// What people call it; messages name it so.
+    pub name: &'a str,
+    /// What was added to it.
+    pub supplements: Supplements<'a>,
+    /// The masks that an earlier ingest made of strokes, as their file.
+    pub earlier_masks: Option<&'a Path>,
+    /// A checkpoint of the same work.
+    pub checkpoint: Option<&'a [u8]>,
+}
+
+impl<'a> Input<'a> {
+    /// A capture alone.
+    pub fn new(path: &'a Path, name: &'a str) -> Self {
+        let supplements = Supplements::default();
+        Self { path, name, supplements, earlier_masks: None, checkpoint: None }
+    }
+}
+
+/// The result of an ingest, and its report.
 #[derive(Clone, Debug)]
 pub struct Observed {
-    /// The capture that is fitted, or the fault for which none can be.
-    pub capture: Result<Capture, Fault>,
-    /// The report, in either case.
+    /// The capture that is fitted, or the fault for which none can be. `None` if the ingest ended with
+    /// masks, as its settings say.
+    pub capture: Result<Option<Capture>, Fault>,
+    /// The report, in any case.
     pub report: Report,
     /// The recordings of cameras that the capture's recordings were lifted from or lie beside, in their
-    /// order.
+    /// order, with the masks and poses in use.
     pub recorded: Vec<Option<Recording>>,
 }
 
 impl Observed {
+    /// The capture that is fitted.
+    ///
+    /// # Errors
+    /// The fault for which there is none.
+    pub fn points(self) -> Result<Capture, Fault> {
+        self.capture?.ok_or_else(|| Fault {
+            category: Category::FailedPrecondition,
+            reason: "CAPTURE_HAS_NO_POINTS".to_owned(),
+            message: "its ingest ended with masks: run it again up to points".to_owned(),
+        })
+    }
+
     /// An observation without lifted images.
-    fn new(capture: Result<Capture, Fault>, report: Report) -> Self {
+    fn new(capture: Result<Option<Capture>, Fault>, report: Report) -> Self {
         Self { capture, report, recorded: Vec::new() }
     }
 }
 
-/// Ingests the capture at `path`, from a checkpoint of the same work if there is one. `name` is
-/// what people call it; messages name it so.
+/// Ingests a capture.
 ///
 /// # Errors
 /// Only errors that are no findings about the capture: `observer` or `cancel` asked to stop.
 pub fn ingest(
-    path: &Path,
-    name: &str,
+    input: Input<'_>,
     settings: &IngestSettings,
     limits: &Limits,
-    checkpoint: Option<&[u8]>,
     observer: &mut dyn Observer<Progress>,
     cancel: &CancelToken,
 ) -> Result<Observed, Fault> {
     observer.progress(Progress { step: Step::Read, fraction: 0.0 });
-    match capture::open(path, limits) {
-        Err(error) => Ok(unread(name, &called(error, path, name).fault())),
-        Ok(Opened::Several(parts)) => {
-            several::ingest(parts, name, settings, checkpoint, observer, cancel)
+    let opened = match capture::open(input.path, limits) {
+        Err(error) => {
+            return Ok(unread(input.name, &called(error, input.path, input.name).fault()));
         }
-        Ok(opened) => {
-            let one = ingest_one(opened, name, settings, checkpoint, observer, cancel)?;
-            let recorded = match (&one.capture, one.recorded.is_empty()) {
-                (Ok(capture), true) => vec![images_beside(path, capture, limits)],
-                _ => one.recorded,
-            };
-            Ok(Observed { recorded, ..one })
+        Ok(opened) => opened,
+    };
+    let work = Work { input, settings, limits, cancel };
+    let is_one = !matches!(opened, Opened::Several(_));
+    let ingested = work.ingest_one(opened, input.name, observer)?;
+    let recorded = match &ingested.capture {
+        Ok(Some(capture)) if is_one && ingested.recorded.is_empty() => {
+            vec![images_beside(input.path, capture, limits)]
         }
-    }
+        _ => ingested.recorded,
+    };
+    Ok(Observed { recorded, ..ingested })
 }
 
 /// The recording of cameras that lies beside points that were tracked already, if there is one of the
@@ -83,74 +124,97 @@ fn images_beside(path: &Path, capture: &Capture, limits: &Limits) -> Option<Reco
     (recording.frame_count == sequence.frame_count).then_some(recording)
 }
 
-/// Ingests one recording.
-fn ingest_one(
-    opened: Opened,
-    name: &str,
-    settings: &IngestSettings,
-    checkpoint: Option<&[u8]>,
-    observer: &mut dyn Observer<Progress>,
-    cancel: &CancelToken,
-) -> Result<Observed, Fault> {
-    match opened {
-        Opened::Several(parts) => {
-            several::ingest(parts, name, settings, checkpoint, observer, cancel)
-        }
-        Opened::Observed(capture, notes) => {
-            let mut seen = inspect_observed(&capture);
-            name.clone_into(&mut seen.name);
-            seen.add(notes);
-            let usable = seen.check_report().require();
-            let capture = usable.map(|()| capture).map_err(|e| e.fault());
-            Ok(Observed::new(capture, Report::new(seen, None)))
-        }
-        Opened::Raw(recording) => {
-            let mut tell = |share| {
-                observer.progress(Progress { step: Step::Inspect, fraction: INSPECTED * share });
-            };
-            let mut seen =
-                inspect(&recording, settings, cancel, &mut tell).map_err(|e| e.fault())?;
-            name.clone_into(&mut seen.name);
-            // Lifting takes long, and nothing could be fitted to the result.
-            match seen.check_report().require() {
-                Err(error) => Ok(Observed::new(Err(error.fault()), Report::new(seen, None))),
-                Ok(()) => lift_sound(recording, seen, settings, checkpoint, observer, cancel),
-            }
-        }
-    }
+/// The work of an ingest.
+struct Work<'a> {
+    input: Input<'a>,
+    settings: &'a IngestSettings,
+    limits: &'a Limits,
+    cancel: &'a CancelToken,
 }
 
-/// A recording that is sound enough, lifted.
-fn lift_sound(
-    recording: Recording,
-    mut seen: Inspection,
-    settings: &IngestSettings,
-    checkpoint: Option<&[u8]>,
-    observer: &mut dyn Observer<Progress>,
-    cancel: &CancelToken,
-) -> Result<Observed, Fault> {
-    let mut observer = Lifting(observer);
-    let mut lifted = lift(&recording, settings, checkpoint, &mut observer, cancel);
-    if let Err(error @ (Error::Checkpoint(_) | Error::OtherCheckpoint)) = &lifted {
-        // Written by a build before an update, say: the work is lost, the job is not.
-        tracing::warn!("starting the ingest anew: {error}");
-        lifted = lift(&recording, settings, None, &mut observer, cancel);
+impl Work<'_> {
+    /// Ingests what was opened.
+    fn ingest_one(
+        &self,
+        opened: Opened,
+        name: &str,
+        observer: &mut dyn Observer<Progress>,
+    ) -> Result<Observed, Fault> {
+        match opened {
+            Opened::Several(parts) => several::ingest(self, parts, name, observer),
+            Opened::Observed(capture, notes) => {
+                let mut seen = inspect_observed(&capture);
+                name.clone_into(&mut seen.name);
+                seen.add(notes);
+                let usable = seen.check_report().require();
+                let capture = usable.map(|()| Some(capture)).map_err(|e| e.fault());
+                Ok(Observed::new(capture, Report::new(seen, None)))
+            }
+            Opened::Raw(recording) => self.ingest_raw(recording, name, observer),
+        }
     }
-    match lifted {
-        Ok(observation) => {
-            let capture = observation.capture;
-            let evidence = serde_json::to_value(observation.evidence).ok();
-            let report = Report::new(seen, Some(Lifted { capture: capture.clone(), evidence }));
-            let usable = report.inspection().check_report().require();
-            let capture = usable.map(|()| capture).map_err(|e| e.fault());
-            Ok(Observed { capture, report, recorded: vec![Some(recording)] })
+
+    /// Ingests a recording of cameras.
+    fn ingest_raw(
+        &self,
+        recording: Recording,
+        name: &str,
+        observer: &mut dyn Observer<Progress>,
+    ) -> Result<Observed, Fault> {
+        let Prepared { recording, findings } = prepare::prepare(self, recording, observer)?;
+        let mut tell = |share| {
+            observer.progress(Progress { step: Step::Inspect, fraction: INSPECTED * share });
+        };
+        let mut seen =
+            inspect(&recording, self.settings, self.cancel, &mut tell).map_err(|e| e.fault())?;
+        name.clone_into(&mut seen.name);
+        seen.add(findings);
+        let observed = match (seen.check_report().require(), self.settings.until) {
+            // Lifting takes long, and nothing could be fitted to the result.
+            (Err(error), _) => {
+                let refused = Observed::new(Err(error.fault()), Report::new(seen, None));
+                Observed { recorded: vec![Some(recording)], ..refused }
+            }
+            (Ok(()), Stage::Masks) => {
+                let masked = Observed::new(Ok(None), Report::new(seen, None));
+                Observed { recorded: vec![Some(recording)], ..masked }
+            }
+            (Ok(()), Stage::Points) => self.lift_sound(recording, seen, observer)?,
+        };
+        Ok(observed)
+    }
+
+    /// A recording that is sound enough, lifted.
+    fn lift_sound(
+        &self,
+        recording: Recording,
+        mut seen: Inspection,
+        observer: &mut dyn Observer<Progress>,
+    ) -> Result<Observed, Fault> {
+        let (settings, cancel) = (self.settings, self.cancel);
+        let mut observer = Lifting(observer);
+        let mut lifted = lift(&recording, settings, self.input.checkpoint, &mut observer, cancel);
+        if let Err(error @ (Error::Checkpoint(_) | Error::OtherCheckpoint)) = &lifted {
+            // Written by a build before an update, say: the work is lost, the job is not.
+            tracing::warn!("starting the ingest anew: {error}");
+            lifted = lift(&recording, settings, None, &mut observer, cancel);
         }
-        Err(error @ (Error::Observer(_) | Error::Cancelled)) => Err(error.fault()),
-        Err(error) => {
-            let fault = error.fault();
-            seen.add([error_of(&fault)]);
-            Ok(Observed::new(Err(fault), Report::new(seen, None)))
-        }
+        let (capture, report) = match lifted {
+            Ok(observation) => {
+                let capture = observation.capture;
+                let evidence = serde_json::to_value(observation.evidence).ok();
+                let report = Report::new(seen, Some(Lifted { capture: capture.clone(), evidence }));
+                let usable = report.inspection().check_report().require();
+                (usable.map(|()| Some(capture)).map_err(|e| e.fault()), report)
+            }
+            Err(error @ (Error::Observer(_) | Error::Cancelled)) => return Err(error.fault()),
+            Err(error) => {
+                let fault = error.fault();
+                seen.add([error_of(&fault)]);
+                (Err(fault), Report::new(seen, None))
+            }
+        };
+        Ok(Observed { recorded: vec![Some(recording)], ..Observed::new(capture, report) })
     }
 }
 
@@ -193,3 +257,6 @@ impl Observer<bendtwin_lift::Progress> for Lifting<'_> {
         self.0.checkpoint(checkpoint)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,17 +4,18 @@
 
 mod head;
 mod images;
+mod labels;
 mod motion;
 
 use std::{fs::File, io, io::Write as _, path::Path};
 
 use bendtwin_capture::raw::Recording;
-use bendtwin_core::{Capture, Sequence, capture_files::PLAYBACK_MAGIC};
+use bendtwin_core::{Capture, Environment, Plane, Sequence, capture_files::PLAYBACK_MAGIC};
 
 use self::{
     head::{
-        CameraEntry, FORMAT, GroundEntry, Head, ImagesEntry, MotionEntry, Range, SequenceEntry,
-        VERSION, short,
+        CameraEntry, FORMAT, GroundEntry, Head, ImagesEntry, MasksEntry, MotionEntry, Range,
+        SequenceEntry, VERSION, short,
     },
     images::{collect, small_size},
     motion::Grid,
@@ -29,30 +30,58 @@ const IMAGE_BYTES: usize = 32 << 20;
 /// Bytes of the head are a multiple of it, so that numbers lie well.
 const ALIGNMENT: usize = 8;
 
-/// Writes the playback of a capture to a new file. `recorded` are the recordings of cameras that its
-/// recordings were lifted from or lie beside, in their order; `tell` gets the share that is done, 0..=1.
+/// Content of a playback.
+#[derive(Clone, Copy, Debug)]
+pub struct Played<'a> {
+    /// Name of the capture.
+    pub name: &'a str,
+    /// The points; none before they are lifted, or where they cannot be.
+    pub capture: Option<&'a Capture>,
+    /// The recordings of cameras that the capture's recordings were lifted from or lie beside, in their
+    /// order.
+    pub recorded: &'a [Option<Recording>],
+    /// Doubt of masks that were made from strokes in the first recording, shape [camera, frame].
+    pub doubt: &'a [Vec<Option<f32>>],
+}
+
+/// Writes the playback of a capture to a new file; `tell` gets the share that is done, 0..=1.
 ///
 /// Images that cannot be read are left out.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_playback(
-    capture: &Capture,
-    recorded: &[Option<Recording>],
+    played: Played<'_>,
     path: &Path,
     tell: &mut dyn FnMut(f64),
 ) -> io::Result<()> {
+    let Played { name, capture, recorded, doubt } = played;
     let mut data = Data::default();
-    let plan = Plan::new(capture);
     let mut head = Head {
         format: FORMAT,
         version: VERSION,
-        name: short(&capture.name),
-        sequences: Vec::with_capacity(plan.sequences),
+        name: short(name),
+        sequences: Vec::new(),
         left_out: 0,
     };
-    let with_images = recorded.iter().flatten().count().max(1);
-    let mut filmed = 0;
+    let mut filming = Filming {
+        recordings: recorded.iter().flatten().count().max(1),
+        filmed: 0,
+        doubt,
+        tell: &mut *tell,
+    };
+    let Some(capture) = capture else {
+        for (index, source) in recorded.iter().enumerate() {
+            let Some(source) = source else { continue };
+            let mut entry = entry_without_points(source, index);
+            entry.cameras = filming.cameras(source, &mut data);
+            head.sequences.push(entry);
+        }
+        write(&head, data, path)?;
+        tell(1.0);
+        return Ok(());
+    };
+    let plan = Plan::new(capture);
     for (index, recording) in capture.recordings().enumerate() {
         let mut source = recorded.get(index).and_then(Option::as_ref);
         for sequence in &recording.sequences {
@@ -63,11 +92,7 @@ pub fn write_playback(
             let mut entry = sequence_entry(recording, index, sequence, plan.most, &mut data);
             // A recording of cameras has one sequence.
             if let Some(source) = source.take() {
-                let mut share = |done: f64| tell((f64::from(filmed) + done) / with_images as f64);
-                let budget = IMAGE_BYTES / with_images;
-                let images = collect(source, budget, with_images, &mut share);
-                entry.cameras = cameras(source, images, &mut data);
-                filmed += 1;
+                entry.cameras = filming.cameras(source, &mut data);
             }
             head.sequences.push(entry);
         }
@@ -75,6 +100,28 @@ pub fn write_playback(
     write(&head, data, path)?;
     tell(1.0);
     Ok(())
+}
+
+/// Adds the images of recordings, one after another.
+struct Filming<'a> {
+    /// Number of recordings that share the space.
+    recordings: usize,
+    /// Number of those that are done.
+    filmed: usize,
+    /// Doubt of the masks of the first one, shape [camera, frame].
+    doubt: &'a [Vec<Option<f32>>],
+    tell: &'a mut dyn FnMut(f64),
+}
+
+impl Filming<'_> {
+    fn cameras(&mut self, source: &Recording, data: &mut Data) -> Vec<CameraEntry> {
+        let (filmed, recordings) = (self.filmed, self.recordings);
+        let mut share = |done: f64| (self.tell)((filmed as f64 + done) / recordings as f64);
+        let images = collect(source, IMAGE_BYTES / recordings, recordings, &mut share);
+        let doubt = if filmed == 0 { self.doubt } else { &[] };
+        self.filmed += 1;
+        cameras(source, images, doubt, data)
+    }
 }
 
 fn write(head: &Head, data: Data, path: &Path) -> io::Result<()> {
@@ -134,6 +181,16 @@ impl Data {
         self.parts.push(part);
         range
     }
+
+    /// Adds parts one behind the other: the length of each, and the range of all.
+    fn add_all(&mut self, parts: Vec<Vec<u8>>) -> (Vec<usize>, Range) {
+        let first = self.bytes;
+        let lengths = parts.iter().map(Vec::len).collect();
+        for part in parts {
+            self.add(part);
+        }
+        (lengths, [first, self.bytes - first])
+    }
 }
 
 fn sequence_entry(
@@ -158,10 +215,7 @@ fn sequence_entry(
         frame_count: frames,
         train_frame_count: sequence.train_frame_count,
         start_frame: sequence.start_frame(),
-        ground: recording
-            .environment
-            .ground
-            .map(|plane| GroundEntry { normal: plane.normal, offset_m: plane.offset_m }),
+        ground: ground(recording.environment),
         observed_points: object.point_count,
         motion: MotionEntry {
             point_count: points.len(),
@@ -178,35 +232,69 @@ fn sequence_entry(
     }
 }
 
-fn cameras(recording: &Recording, images: images::Images, data: &mut Data) -> Vec<CameraEntry> {
+/// A recording without points.
+fn entry_without_points(recording: &Recording, index: usize) -> SequenceEntry {
+    SequenceEntry {
+        recording: index,
+        recording_name: short(&recording.name),
+        name: String::new(),
+        fps: recording.fps,
+        frame_count: recording.frame_count,
+        train_frame_count: recording.train_frame_count,
+        start_frame: 0,
+        ground: ground(recording.environment),
+        observed_points: 0,
+        motion: MotionEntry {
+            point_count: 0,
+            control_count: 0,
+            origin: [0.0; 3],
+            scale_m: 1.0,
+            points: [0; 2],
+            visible: [0; 2],
+            controls: [0; 2],
+            control_hands: Vec::new(),
+            colors: None,
+        },
+        cameras: Vec::new(),
+    }
+}
+
+fn ground(environment: Environment) -> Option<GroundEntry> {
+    let entry = |plane: Plane| GroundEntry { normal: plane.normal, offset_m: plane.offset_m };
+    environment.ground.map(entry)
+}
+
+fn cameras(
+    recording: &Recording,
+    images: images::Images,
+    doubt: &[Vec<Option<f32>>],
+    data: &mut Data,
+) -> Vec<CameraEntry> {
     let every = images.every;
-    let pairs = recording.cameras.iter().zip(images.files);
-    pairs
-        .map(|(camera, files)| {
-            // One that stands has one pose.
-            let images = if camera.poses.len() > 1 { files.len() } else { 1 };
-            let rows = (0..images).flat_map(|image| {
-                let pose = camera.pose(image * every);
-                (0..3).flat_map(|i| {
-                    let [a, b, c] = pose.rotation[i];
-                    [a, b, c, pose.translation[i]]
-                })
-            });
-            let poses = data.add(rows.flat_map(|x| (x as f32).to_le_bytes()).collect());
-            let lengths = files.iter().map(Vec::len).collect();
-            let first = data.bytes;
-            for file in files {
-                data.add(file);
-            }
-            let images = ImagesEntry {
-                size: small_size(camera.width, camera.height),
-                every,
-                lengths,
-                bytes: [first, data.bytes - first],
-            };
-            CameraEntry::new(camera, poses, images)
-        })
-        .collect()
+    let each = recording.cameras.iter().zip(images.files).enumerate();
+    each.map(|(index, (camera, files))| {
+        // One that stands has one pose; one that was not calibrated has none.
+        let images = if camera.poses.len() > 1 { files.len() } else { camera.poses.len() };
+        let rows = (0..images).flat_map(|image| {
+            let pose = camera.pose(image * every);
+            (0..3).flat_map(|i| {
+                let [a, b, c] = pose.rotation[i];
+                [a, b, c, pose.translation[i]]
+            })
+        });
+        let poses = data.add(rows.flat_map(|x| (x as f32).to_le_bytes()).collect());
+        let (jpegs, labels): (Vec<_>, Vec<_>) =
+            files.into_iter().map(|file| (file.jpeg, file.labels)).unzip();
+        let (lengths, bytes) = data.add_all(jpegs);
+        let size = small_size(camera.width, camera.height);
+        let images = ImagesEntry { size, every, lengths, bytes };
+        let masks = labels.iter().any(|runs| !runs.is_empty()).then(|| {
+            let (lengths, bytes) = data.add_all(labels);
+            MasksEntry { lengths, bytes }
+        });
+        CameraEntry::new(camera, poses, images, masks, doubt.get(index).cloned())
+    })
+    .collect()
 }
 
 #[cfg(test)]

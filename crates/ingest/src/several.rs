@@ -1,24 +1,24 @@
 //! Several recordings of one object, one after another. The report is that of the reference with
 //! the findings of all.
 
-use bendtwin_capture::{Opened, Part, several::join};
+use bendtwin_capture::{Opened, Part, raw::Supplements, several::join};
 use bendtwin_core::{
-    CancelToken, Fault, Observer, ObserverError, Problem as _, Sequence,
-    settings::ingest::IngestSettings,
+    Category, Fault, Observer, ObserverError, Problem as _, Sequence, settings::ingest::Stage,
 };
 
-use crate::{Observed, Progress, ingest_one};
+use crate::{Observed, Progress, Work};
 
 /// Ingests the recordings. A checkpoint is of the one that was being lifted; those before it are
 /// lifted again.
 pub(super) fn ingest(
+    work: &Work<'_>,
     parts: Vec<Part>,
     name: &str,
-    settings: &IngestSettings,
-    checkpoint: Option<&[u8]>,
     observer: &mut dyn Observer<Progress>,
-    cancel: &CancelToken,
 ) -> Result<Observed, Fault> {
+    if let Some(fault) = refused(work) {
+        return Ok(crate::unread(name, &fault));
+    }
     let count = parts.len();
     let (mut captures, mut report, mut fault) = (Vec::with_capacity(count), None, None);
     let mut recorded = Vec::with_capacity(count);
@@ -26,10 +26,10 @@ pub(super) fn ingest(
         let held_out = held_out || is_held_out(&mut opened);
         let mut share = Share { index, count, observer: &mut *observer };
         let named = if index == 0 { name } else { &own };
-        let one = ingest_one(opened, named, settings, checkpoint, &mut share, cancel)?;
+        let one = work.ingest_one(opened, named, &mut share)?;
         recorded.push(one.recorded.into_iter().next().flatten());
         match one.capture {
-            Ok(capture) => captures.push((own.clone(), held_out, capture)),
+            Ok(capture) => captures.extend(capture.map(|c| (own.clone(), held_out, c))),
             Err(error) => {
                 let message = format!("recording `{own}`: {}", error.message);
                 fault.get_or_insert(Fault { message, ..error });
@@ -42,16 +42,36 @@ pub(super) fn ingest(
     }
     let capture = match fault {
         Some(fault) => Err(fault),
-        None => join(name.to_owned(), captures).map_err(|e| e.fault()),
+        None => join(name.to_owned(), captures).map(Some).map_err(|e| e.fault()),
     };
     match report {
-        Some(report) => Ok(Observed { capture, report, recorded }),
+        Some(report) => Ok(Observed { recorded, ..Observed::new(capture, report) }),
         None => {
             let there = "which has no recordings".to_owned();
             let error = bendtwin_capture::Error::UnknownKind { name: name.to_owned(), there };
             Ok(crate::unread(name, &error.fault()))
         }
     }
+}
+
+/// The fault of work that is defined for one recording alone.
+fn refused(work: &Work<'_>) -> Option<Fault> {
+    let settings = work.settings;
+    let what = if !settings.strokes.is_empty() || settings.until == Stage::Masks {
+        "strokes are"
+    } else if work.input.supplements != Supplements::default() {
+        "what was added to the capture is"
+    } else {
+        return None;
+    };
+    Some(Fault {
+        category: Category::FailedPrecondition,
+        reason: "SEVERAL_RECORDINGS".to_owned(),
+        message: format!(
+            "{what} for one recording, and this capture has several: send each recording as a capture to \
+             mark it, download its masks, put them into its folder, and send the recordings together again"
+        ),
+    })
 }
 
 /// True for points without frames for fitting. They are judged as if all frames were.

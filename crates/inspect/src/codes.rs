@@ -66,6 +66,9 @@ codes! {
     IntrinsicsImplausible "INTRINSICS_IMPLAUSIBLE",
         "intrinsics do not suit the image",
         "give the intrinsics of this resolution: they scale with the image";
+    NotCalibrated "NOT_CALIBRATED",
+        "cameras have no pose",
+        "measure the poses with a board that all cameras see, or read them from a file (docs/use/cameras.md#calibration)";
     ExtrinsicsInvalid "EXTRINSICS_INVALID",
         "a pose is not finite or has no valid rotation",
         "export the poses again as rigid camera-to-world transforms";

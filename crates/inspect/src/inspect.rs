@@ -42,9 +42,8 @@ pub(crate) fn inspect_with(
     if images > MAX_IMAGES {
         return Ok(too_long(recording, images, settings, thresholds));
     }
-    // Nothing can be placed in space without a pose. Readers always give one; anything else is a
-    // finding.
-    if recording.cameras.iter().any(|camera| camera.poses.is_empty()) {
+    // Nothing can be placed in space without a pose.
+    if !recording.is_calibrated() {
         return Ok(unread(recording, settings, thresholds));
     }
     let scans = scan(recording, thresholds, cancel, progress)?;

@@ -59,6 +59,7 @@ pub(crate) fn healthy() -> (TestScene, Recording) {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: bendtwin_capture::Sources::default(),
         source: HEALTHY.clone(),

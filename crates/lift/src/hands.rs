@@ -6,6 +6,7 @@ mod body;
 pub(crate) mod cloud;
 mod cluster;
 pub(crate) mod contact;
+pub(crate) mod gripper;
 
 use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};

@@ -79,6 +79,7 @@ impl TestScene {
             mesh: None,
             truth_tracks,
             mass_kg: None,
+            grippers: Vec::new(),
             notes: Vec::new(),
             sources: bendtwin_capture::Sources::default(),
             source: Arc::new(SceneSource { scene: self, cameras }),

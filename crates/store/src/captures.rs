@@ -1,7 +1,8 @@
 //! Captures: immutable content with a name, and the state of their ingest.
 
 pub(crate) mod observations;
-pub(crate) mod playbacks;
+pub(crate) mod products;
+pub(crate) mod supplements;
 
 use std::collections::HashMap;
 
@@ -11,7 +12,7 @@ use uuid::Uuid;
 
 use crate::{
     Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report,
-    Requirements, Result, Staged, Store,
+    Requirements, Result, Staged, Store, Supplement,
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
     jobs::{self, JobOrigin},
@@ -41,7 +42,7 @@ pub struct Capture {
     pub recorded_by: String,
 }
 
-/// A capture with its ingest and its report.
+/// A capture with its ingest, its report and what was added to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overview {
     /// The capture.
@@ -50,6 +51,10 @@ pub struct Overview {
     pub ingest: Job,
     /// Report, once an ingest has made it.
     pub report: Option<Report>,
+    /// Files that were added to it, in the order of their kinds.
+    pub supplements: Vec<Supplement>,
+    /// True if the last ingest made masks of strokes.
+    pub has_masks: bool,
 }
 
 /// Facts of a capture that its uploader states.
@@ -239,7 +244,7 @@ impl Captures<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// Returns a capture with its ingest and report.
+    /// Returns a capture with its ingest, report and supplements.
     ///
     /// # Errors
     /// [`Error::NotFound`].
@@ -247,10 +252,13 @@ impl Captures<'_> {
         let capture = self.get(id).await?;
         // In this order: an ingest that has ended has its report.
         let ingest = self.store.jobs().ingest_of(id).await?;
-        Ok(Overview { capture, ingest, report: self.report(id).await? })
+        let report = self.report(id).await?;
+        let supplements = self.supplements(id).await?;
+        let has_masks = self.masks_digest(id).await?.is_some();
+        Ok(Overview { capture, ingest, report, supplements, has_masks })
     }
 
-    /// A page of captures with their ingests and reports.
+    /// A page of captures with their ingests, reports and supplements.
     ///
     /// # Errors
     /// [`Error::InvalidPageToken`].
@@ -263,11 +271,19 @@ impl Captures<'_> {
             ingests.into_iter().map(|job| (job.capture, job)).collect();
         let mut reports: HashMap<String, Report> =
             self.reports_of(&keys).await?.into_iter().collect();
+        let with_masks = self.with_masks(&keys).await?;
+        let mut supplements: HashMap<String, Vec<Supplement>> = HashMap::new();
+        for (capture, supplement) in self.supplements_of(&keys).await? {
+            supplements.entry(capture).or_default().push(supplement);
+        }
         let items = items.into_iter().filter_map(|capture| {
-            let report = reports.remove(&key(&capture));
+            let key = key(&capture);
+            let report = reports.remove(&key);
+            let supplements = supplements.remove(&key).unwrap_or_default();
+            let has_masks = with_masks.contains(&key);
             // One without an ingest was deleted in this moment.
             let ingest = ingests.remove(&capture.id)?;
-            Some(Overview { capture, ingest, report })
+            Some(Overview { capture, ingest, report, supplements, has_masks })
         });
         Ok(Page { items: items.collect(), next_token })
     }
@@ -324,8 +340,8 @@ impl Captures<'_> {
         Ok((capture, content))
     }
 
-    /// Deletes a capture with its ingest, observation, playback and report. Its twins and
-    /// ended fits stay. Its request id makes no other for a day.
+    /// Deletes a capture with its ingest, what ingests made of it, and its supplements. Its twins
+    /// and ended fits stay. Its request id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`]; [`Error::CaptureInUse`] while fits of it are queued or running.
@@ -351,6 +367,7 @@ impl Captures<'_> {
         let ingest = jobs::dequeue(&mut tx, &key).await?;
         obsolete.extend(ingest.iter().filter_map(|i| i.checkpoint).map(|d| d.to_hex().to_string()));
         obsolete.extend(observations::forget(&mut tx, &key).await?);
+        obsolete.extend(supplements::forget(&mut tx, &key).await?);
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         if let Some(ingest) = ingest {

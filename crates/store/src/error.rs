@@ -2,7 +2,10 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use bendtwin_core::{Problem, ids::FitId};
+use bendtwin_core::{
+    Problem,
+    ids::{CaptureId, FitId},
+};
 use bendtwin_tls::{FileError, TlsError};
 
 use crate::{Digest, JobId, database::plans, folder::disk};
@@ -27,6 +30,12 @@ pub enum Error {
     #[problem(NotFound, "PLAYBACK_MISSING")]
     PlaybackMissing { name: String },
     #[error(
+        "{name} has no masks of strokes: mark the object and run the ingest with the strokes \
+         (docs/use/cameras.md#masks)"
+    )]
+    #[problem(NotFound, "MASKS_MISSING")]
+    MasksMissing { name: String },
+    #[error(
         "request id `{request_id}` was used before for {name}, with other content: \
          choose a new request id"
     )]
@@ -49,6 +58,9 @@ pub enum Error {
     #[error("the ingest of {name} is under way: wait for its end, or cancel it first")]
     #[problem(FailedPrecondition, "INGEST_UNDER_WAY")]
     IngestUnderWay { name: String },
+    #[error("{name} has masks but no points: run its ingest up to points, then fit")]
+    #[problem(FailedPrecondition, "CAPTURE_HAS_NO_POINTS")]
+    CaptureHasNoPoints { name: CaptureId },
     #[error("{fit} is running: cancel it first")]
     #[problem(FailedPrecondition, "FIT_RUNNING")]
     FitRunning { fit: FitId },

@@ -35,8 +35,8 @@ pub(crate) use claim::statement as claim_statement;
 pub use end::{AttemptEnd, WorkerEnd};
 pub use fits::NewFit;
 pub use id::{JobId, Kind};
-pub use ingests::{IngestResult, NewIngest, NewReport};
-pub(crate) use ingests::{JobOrigin, admit_ingest, dequeue, enqueue};
+pub use ingests::{IngestOutcome, IngestResult, NewIngest, NewReport};
+pub(crate) use ingests::{JobOrigin, admit_ingest, dequeue, enqueue, require_idle};
 pub use lease::{JobReport, Lease, Reported};
 pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
@@ -87,6 +87,8 @@ pub struct Job {
     pub fault: Option<Fault>,
     /// Faults of earlier attempts.
     pub attempt_faults: Vec<Fault>,
+    /// True of an ingest that succeeded with masks alone, as it was to: there is nothing to fit.
+    pub masks_only: bool,
     /// W3C traceparent of the call that created it.
     pub trace_parent: Option<String>,
     /// The idempotency key it was created under.

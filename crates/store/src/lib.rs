@@ -117,6 +117,7 @@ pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
 pub use captures::{
     Capture, CaptureChange, CaptureFacts, Captures, NewCapture, Overview,
     observations::{Observation, Report},
+    supplements::{NewSupplement, Supplement, SupplementKind, UnknownKind},
 };
 pub use database::DatabaseUrl;
 pub use error::{Error, Result};
@@ -126,9 +127,9 @@ pub use fleet::{
 };
 pub use folder::disk::Disk;
 pub use jobs::{
-    AttemptEnd, Capabilities, Claimant, IngestResult, Job, JobId, JobReport, Jobs, Kind, Lease,
-    LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport,
-    QueueDepth, Reported, Requirements, State, WorkerEnd,
+    AttemptEnd, Capabilities, Claimant, IngestOutcome, IngestResult, Job, JobId, JobReport, Jobs,
+    Kind, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest,
+    NewReport, QueueDepth, Reported, Requirements, State, WorkerEnd,
 };
 pub use keys::{
     Key, Keys, NewKey,

@@ -229,15 +229,18 @@ impl Builder {
         self.push(format_args!("${place}"))
     }
 
-    /// Adds values with commas between them.
+    /// Adds values with commas between them; without any, null, which no value of a column equals:
+    /// PostgreSQL has no empty list.
     pub(crate) fn push_list<V: Into<Value>>(
         &mut self,
         values: impl IntoIterator<Item = V>,
     ) -> &mut Self {
-        for (nth, value) in values.into_iter().enumerate() {
-            self.push(if nth == 0 { "" } else { ", " }).push_bind(value);
+        let mut count = 0;
+        for value in values {
+            self.push(if count == 0 { "" } else { ", " }).push_bind(value);
+            count += 1;
         }
-        self
+        if count == 0 { self.push("null") } else { self }
     }
 
     /// The statement.

@@ -134,6 +134,7 @@ pub fn film_with(
         mesh,
         truth_tracks,
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: bendtwin_capture::Sources::default(),
         source: Arc::new(stage),

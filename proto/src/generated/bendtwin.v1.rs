@@ -376,7 +376,7 @@ pub struct Route {
     #[prost(bool, tag = "10")]
     pub by_hand: bool,
     /// The path; `{id}` stands for the last part of a resource's name.
-    #[prost(oneof = "route::Method", tags = "1, 2, 3, 4")]
+    #[prost(oneof = "route::Method", tags = "1, 2, 3, 4, 11")]
     pub method: ::core::option::Option<route::Method>,
 }
 /// Nested message and enum types in `Route`.
@@ -392,6 +392,8 @@ pub mod route {
         Patch(::prost::alloc::string::String),
         #[prost(string, tag = "4")]
         Delete(::prost::alloc::string::String),
+        #[prost(string, tag = "11")]
+        Put(::prost::alloc::string::String),
     }
 }
 /// The form of a field in JSON, where it is not the usual one.
@@ -695,6 +697,27 @@ pub struct Capture {
     /// Who recorded the capture, up to 200 characters; empty if not stated.
     #[prost(string, tag = "12")]
     pub recorded_by: ::prost::alloc::string::String,
+    /// Files that were added after the upload, one of each kind.
+    #[prost(message, repeated, tag = "13")]
+    pub supplements: ::prost::alloc::vec::Vec<Supplement>,
+    /// True if the last ingest made masks of strokes.
+    #[prost(bool, tag = "14")]
+    pub masks: bool,
+}
+/// A file that was added to a capture, which ingests read beside the archive.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct Supplement {
+    /// `masks`, an archive (ZIP or tar) with a folder `mask`, in place of the recording's own masks; or `calibration`, a
+    /// JSON document, in place of its own calibration (docs/formats/capture.md).
+    #[prost(string, tag = "1")]
+    pub kind: ::prost::alloc::string::String,
+    #[prost(uint64, tag = "2")]
+    pub size_bytes: u64,
+    /// BLAKE3 of the file, hex.
+    #[prost(string, tag = "3")]
+    pub digest: ::prost::alloc::string::String,
+    #[prost(message, optional, tag = "4")]
+    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateCaptureRequest {
@@ -887,6 +910,73 @@ pub struct ExportObservationResponse {
     #[prost(bytes = "bytes", tag = "1")]
     pub chunk: ::prost::bytes::Bytes,
 }
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ExportMasksRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ExportMasksResponse {
+    #[prost(bytes = "bytes", tag = "1")]
+    pub chunk: ::prost::bytes::Bytes,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct AddSupplementRequest {
+    #[prost(oneof = "add_supplement_request::Part", tags = "1, 2")]
+    pub part: ::core::option::Option<add_supplement_request::Part>,
+}
+/// Nested message and enum types in `AddSupplementRequest`.
+pub mod add_supplement_request {
+    #[derive(Clone, PartialEq, Eq, Hash, ::prost::Oneof)]
+    pub enum Part {
+        #[prost(message, tag = "1")]
+        Metadata(super::SupplementMetadata),
+        #[prost(bytes, tag = "2")]
+        Chunk(::prost::bytes::Bytes),
+    }
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct SupplementMetadata {
+    /// captures/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// `masks` or `calibration`.
+    #[prost(string, tag = "2")]
+    pub kind: ::prost::alloc::string::String,
+    /// BLAKE3 of the file, hex; the server checks it if given.
+    #[prost(string, tag = "3")]
+    pub digest: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct AddSupplementResponse {
+    #[prost(message, optional, tag = "1")]
+    pub capture: ::core::option::Option<Capture>,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ExportSupplementRequest {
+    /// captures/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// `masks` or `calibration`.
+    #[prost(string, tag = "2")]
+    pub kind: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ExportSupplementResponse {
+    #[prost(bytes = "bytes", tag = "1")]
+    pub chunk: ::prost::bytes::Bytes,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteSupplementRequest {
+    /// captures/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// `masks` or `calibration`.
+    #[prost(string, tag = "2")]
+    pub kind: ::prost::alloc::string::String,
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteSupplementResponse {}
 /// Generated client implementations.
 pub mod capture_service_client {
     #![allow(
@@ -1075,7 +1165,7 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "UpdateCapture"));
             self.inner.unary(req, path, codec).await
         }
-        /// Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of the
+        /// Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the
         /// capture is queued or running. Its twins are kept.
         pub async fn delete_capture(
             &mut self,
@@ -1226,6 +1316,116 @@ pub mod capture_service_client {
                 );
             self.inner.server_streaming(req, path, codec).await
         }
+        /// Masks that the last ingest made of the strokes in its settings, in chunks: a ZIP archive
+        /// (docs/formats/capture.md).
+        pub async fn export_masks(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ExportMasksRequest>,
+        ) -> std::result::Result<
+            tonic::Response<tonic::codec::Streaming<super::ExportMasksResponse>>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.CaptureService/ExportMasks",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "ExportMasks"));
+            self.inner.server_streaming(req, path, codec).await
+        }
+        /// Adds a file to a capture, or replaces the one of its kind: the first message has `metadata`, the following
+        /// ones `chunk`s in order. The next ingest reads it. Refused with FAILED_PRECONDITION while an ingest or a fit of
+        /// the capture is queued or running. Sending the same content again changes nothing.
+        pub async fn add_supplement(
+            &mut self,
+            request: impl tonic::IntoStreamingRequest<
+                Message = super::AddSupplementRequest,
+            >,
+        ) -> std::result::Result<
+            tonic::Response<super::AddSupplementResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.CaptureService/AddSupplement",
+            );
+            let mut req = request.into_streaming_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "AddSupplement"));
+            self.inner.client_streaming(req, path, codec).await
+        }
+        /// A file that was added to a capture, in chunks.
+        pub async fn export_supplement(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ExportSupplementRequest>,
+        ) -> std::result::Result<
+            tonic::Response<tonic::codec::Streaming<super::ExportSupplementResponse>>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.CaptureService/ExportSupplement",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.CaptureService", "ExportSupplement"),
+                );
+            self.inner.server_streaming(req, path, codec).await
+        }
+        /// Removes a file that was added to a capture. Refused with FAILED_PRECONDITION while an ingest or a fit of the
+        /// capture is queued or running.
+        pub async fn delete_supplement(
+            &mut self,
+            request: impl tonic::IntoRequest<super::DeleteSupplementRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::DeleteSupplementResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.CaptureService/DeleteSupplement",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.CaptureService", "DeleteSupplement"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -1266,7 +1466,7 @@ pub mod capture_service_server {
             &self,
             request: tonic::Request<super::UpdateCaptureRequest>,
         ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status>;
-        /// Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of the
+        /// Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the
         /// capture is queued or running. Its twins are kept.
         async fn delete_capture(
             &self,
@@ -1333,6 +1533,57 @@ pub mod capture_service_server {
             request: tonic::Request<super::ExportObservationRequest>,
         ) -> std::result::Result<
             tonic::Response<Self::ExportObservationStream>,
+            tonic::Status,
+        >;
+        /// Server streaming response type for the ExportMasks method.
+        type ExportMasksStream: tonic::codegen::tokio_stream::Stream<
+                Item = std::result::Result<super::ExportMasksResponse, tonic::Status>,
+            >
+            + std::marker::Send
+            + 'static;
+        /// Masks that the last ingest made of the strokes in its settings, in chunks: a ZIP archive
+        /// (docs/formats/capture.md).
+        async fn export_masks(
+            &self,
+            request: tonic::Request<super::ExportMasksRequest>,
+        ) -> std::result::Result<
+            tonic::Response<Self::ExportMasksStream>,
+            tonic::Status,
+        >;
+        /// Adds a file to a capture, or replaces the one of its kind: the first message has `metadata`, the following
+        /// ones `chunk`s in order. The next ingest reads it. Refused with FAILED_PRECONDITION while an ingest or a fit of
+        /// the capture is queued or running. Sending the same content again changes nothing.
+        async fn add_supplement(
+            &self,
+            request: tonic::Request<tonic::Streaming<super::AddSupplementRequest>>,
+        ) -> std::result::Result<
+            tonic::Response<super::AddSupplementResponse>,
+            tonic::Status,
+        >;
+        /// Server streaming response type for the ExportSupplement method.
+        type ExportSupplementStream: tonic::codegen::tokio_stream::Stream<
+                Item = std::result::Result<
+                    super::ExportSupplementResponse,
+                    tonic::Status,
+                >,
+            >
+            + std::marker::Send
+            + 'static;
+        /// A file that was added to a capture, in chunks.
+        async fn export_supplement(
+            &self,
+            request: tonic::Request<super::ExportSupplementRequest>,
+        ) -> std::result::Result<
+            tonic::Response<Self::ExportSupplementStream>,
+            tonic::Status,
+        >;
+        /// Removes a file that was added to a capture. Refused with FAILED_PRECONDITION while an ingest or a fit of the
+        /// capture is queued or running.
+        async fn delete_supplement(
+            &self,
+            request: tonic::Request<super::DeleteSupplementRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::DeleteSupplementResponse>,
             tonic::Status,
         >;
     }
@@ -1869,6 +2120,193 @@ pub mod capture_service_server {
                                 max_encoding_message_size,
                             );
                         let res = grpc.server_streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.CaptureService/ExportMasks" => {
+                    #[allow(non_camel_case_types)]
+                    struct ExportMasksSvc<T: CaptureService>(pub Arc<T>);
+                    impl<
+                        T: CaptureService,
+                    > tonic::server::ServerStreamingService<super::ExportMasksRequest>
+                    for ExportMasksSvc<T> {
+                        type Response = super::ExportMasksResponse;
+                        type ResponseStream = T::ExportMasksStream;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::ResponseStream>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ExportMasksRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as CaptureService>::export_masks(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = ExportMasksSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.server_streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.CaptureService/AddSupplement" => {
+                    #[allow(non_camel_case_types)]
+                    struct AddSupplementSvc<T: CaptureService>(pub Arc<T>);
+                    impl<
+                        T: CaptureService,
+                    > tonic::server::ClientStreamingService<super::AddSupplementRequest>
+                    for AddSupplementSvc<T> {
+                        type Response = super::AddSupplementResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<
+                                tonic::Streaming<super::AddSupplementRequest>,
+                            >,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as CaptureService>::add_supplement(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = AddSupplementSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.client_streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.CaptureService/ExportSupplement" => {
+                    #[allow(non_camel_case_types)]
+                    struct ExportSupplementSvc<T: CaptureService>(pub Arc<T>);
+                    impl<
+                        T: CaptureService,
+                    > tonic::server::ServerStreamingService<
+                        super::ExportSupplementRequest,
+                    > for ExportSupplementSvc<T> {
+                        type Response = super::ExportSupplementResponse;
+                        type ResponseStream = T::ExportSupplementStream;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::ResponseStream>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ExportSupplementRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as CaptureService>::export_supplement(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = ExportSupplementSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.server_streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.CaptureService/DeleteSupplement" => {
+                    #[allow(non_camel_case_types)]
+                    struct DeleteSupplementSvc<T: CaptureService>(pub Arc<T>);
+                    impl<
+                        T: CaptureService,
+                    > tonic::server::UnaryService<super::DeleteSupplementRequest>
+                    for DeleteSupplementSvc<T> {
+                        type Response = super::DeleteSupplementResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::DeleteSupplementRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as CaptureService>::delete_supplement(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = DeleteSupplementSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
                         Ok(res)
                     };
                     Box::pin(fut)

@@ -236,7 +236,7 @@ pub mod lease_job_request {
         }
     }
 }
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct LeaseJobResponse {
     #[prost(message, optional, tag = "1")]
     pub lease: ::core::option::Option<Lease>,
@@ -244,7 +244,7 @@ pub struct LeaseJobResponse {
     #[prost(bool, tag = "2")]
     pub drain: bool,
 }
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Lease {
     /// fits/{uuid} or ingests/{uuid}
     #[prost(string, tag = "1")]
@@ -275,6 +275,21 @@ pub struct Lease {
     /// BLAKE3 of the checkpoint; empty before the first checkpoint.
     #[prost(string, tag = "11")]
     pub checkpoint_digest: ::prost::alloc::string::String,
+    /// Files that were added to the capture; empty for fits.
+    #[prost(message, repeated, tag = "12")]
+    pub supplements: ::prost::alloc::vec::Vec<LeasedSupplement>,
+    /// BLAKE3 of the masks that the ingest before made of strokes; empty for fits, and without such masks.
+    #[prost(string, tag = "13")]
+    pub masks_digest: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct LeasedSupplement {
+    /// `masks` or `calibration`.
+    #[prost(string, tag = "1")]
+    pub kind: ::prost::alloc::string::String,
+    /// BLAKE3, hex.
+    #[prost(string, tag = "2")]
+    pub digest: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ReportJobRequest {
@@ -365,7 +380,7 @@ pub struct CompleteFitResponse {
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct EndIngestRequest {
-    #[prost(oneof = "end_ingest_request::Part", tags = "1, 2, 3, 4, 5")]
+    #[prost(oneof = "end_ingest_request::Part", tags = "1, 2, 3, 4, 5, 6")]
     pub part: ::core::option::Option<end_ingest_request::Part>,
 }
 /// Nested message and enum types in `EndIngestRequest`.
@@ -383,9 +398,12 @@ pub mod end_ingest_request {
         /// The report as a page.
         #[prost(bytes, tag = "4")]
         Page(::prost::bytes::Bytes),
-        /// The playback of the observation. Missing if the ingest wrote no playback.
+        /// The playback of the capture. Missing if the ingest wrote no playback.
         #[prost(bytes, tag = "5")]
         Playback(::prost::bytes::Bytes),
+        /// Masks that were made of strokes, as a ZIP archive. Missing without strokes.
+        #[prost(bytes, tag = "6")]
+        Masks(::prost::bytes::Bytes),
     }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -402,12 +420,18 @@ pub struct IngestWrite {
     pub report_digest: ::prost::alloc::string::String,
     #[prost(string, tag = "5")]
     pub page_digest: ::prost::alloc::string::String,
-    /// Reason why nothing can be fitted; missing if there is an observation.
+    /// Reason why nothing can be fitted; missing if there is an observation, or if the ingest was to end with masks.
     #[prost(message, optional, tag = "6")]
     pub fault: ::core::option::Option<super::super::v1::Fault>,
     /// BLAKE3 of the playback, hex.
     #[prost(string, tag = "7")]
     pub playback_digest: ::prost::alloc::string::String,
+    /// BLAKE3 of the masks, hex.
+    #[prost(string, tag = "8")]
+    pub masks_digest: ::prost::alloc::string::String,
+    /// True if the ingest ended well with masks, as its settings say: without observation and fault.
+    #[prost(bool, tag = "9")]
+    pub masks_only: bool,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct EndIngestResponse {}
@@ -493,8 +517,8 @@ pub struct LeaveRequest {
 pub struct LeaveResponse {}
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DownloadRequest {
-    /// captures/{uuid}, captures/{uuid}/observation, twins/{uuid}, or fits/{uuid} or ingests/{uuid} for its
-    /// checkpoint.
+    /// captures/{uuid}, captures/{uuid}/observation, captures/{uuid}/masks, captures/{uuid}/supplements/{kind},
+    /// twins/{uuid}, or fits/{uuid} or ingests/{uuid} for its checkpoint.
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
 }
@@ -852,9 +876,9 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "Leave"));
             self.inner.unary(req, path, codec).await
         }
-        /// The content of a capture, observation, twin or checkpoint, in chunks. Captures and checkpoints are
-        /// available only while the worker has the lease of a job that uses them; observations also if the capture has
-        /// a twin.
+        /// The content of a capture, supplement, observation, twin or checkpoint, or the masks of an earlier ingest, in
+        /// chunks. Captures, supplements, masks and checkpoints are available only while the worker has the lease of a job
+        /// that uses them; observations also if the capture has a twin.
         pub async fn download(
             &mut self,
             request: impl tonic::IntoRequest<super::DownloadRequest>,
@@ -966,9 +990,9 @@ pub mod worker_link_server {
             >
             + std::marker::Send
             + 'static;
-        /// The content of a capture, observation, twin or checkpoint, in chunks. Captures and checkpoints are
-        /// available only while the worker has the lease of a job that uses them; observations also if the capture has
-        /// a twin.
+        /// The content of a capture, supplement, observation, twin or checkpoint, or the masks of an earlier ingest, in
+        /// chunks. Captures, supplements, masks and checkpoints are available only while the worker has the lease of a job
+        /// that uses them; observations also if the capture has a twin.
         async fn download(
             &self,
             request: tonic::Request<super::DownloadRequest>,

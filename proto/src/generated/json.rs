@@ -529,7 +529,7 @@ written!(crate::v1::WorkerRequirements);
 
 impl Fields for crate::v1::Capture {
     const NAME: &'static str = "Capture";
-    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements", "recorded_by"];
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict", "note", "tags", "owner", "ingest_requirements", "recorded_by", "supplements", "masks"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -546,6 +546,8 @@ impl Fields for crate::v1::Capture {
 9 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 10 => { self.ingest_requirements = message(map)?; }
 11 => { self.recorded_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.supplements = messages(map)?; }
+13 => { self.masks = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -565,11 +567,41 @@ map.serialize_entry("tags", &self.tags)?;
 map.serialize_entry("owner", &self.owner)?;
 write_message(map, "ingest_requirements", Some(self.ingest_requirements.as_ref().unwrap_or(&Default::default())), tensors)?;
 map.serialize_entry("recorded_by", &self.recorded_by)?;
+write_messages(map, "supplements", &self.supplements, tensors)?;
+map.serialize_entry("masks", &self.masks)?;
 
         Ok(())
     }
 }
 written!(crate::v1::Capture);
+
+impl Fields for crate::v1::Supplement {
+    const NAME: &'static str = "Supplement";
+    const FIELDS: &'static [&'static str] = &["kind", "size_bytes", "digest", "create_time"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.kind = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.size_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.digest = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.create_time = time(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("kind", &self.kind)?;
+map.serialize_entry("size_bytes", &self.size_bytes)?;
+map.serialize_entry("digest", &self.digest)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::Supplement);
 
 impl Fields for crate::v1::CaptureMetadata {
     const NAME: &'static str = "CaptureMetadata";

@@ -20,6 +20,14 @@ Rpc { path: "/bendtwin.v1.CaptureService/GetCaptureReport", scope: Scope::Captur
     Route { method: "GET", path: "/v1/captures/{id}/report.html", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.CaptureService/ExportObservation", scope: Scope::CapturesRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/captures/{id}/observation", status: 200, secret: false, messages: None },] },
+Rpc { path: "/bendtwin.v1.CaptureService/ExportMasks", scope: Scope::CapturesRead, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/captures/{id}/masks", status: 200, secret: false, messages: None },] },
+Rpc { path: "/bendtwin.v1.CaptureService/AddSupplement", scope: Scope::CapturesWrite, audited: true, routes: &[
+    Route { method: "PUT", path: "/v1/captures/{id}/supplements/{kind}", status: 200, secret: false, messages: None },] },
+Rpc { path: "/bendtwin.v1.CaptureService/ExportSupplement", scope: Scope::CapturesRead, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/captures/{id}/supplements/{kind}", status: 200, secret: false, messages: None },] },
+Rpc { path: "/bendtwin.v1.CaptureService/DeleteSupplement", scope: Scope::CapturesWrite, audited: true, routes: &[
+    Route { method: "DELETE", path: "/v1/captures/{id}/supplements/{kind}", status: 204, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.FitService/CreateFit", scope: Scope::FitsWrite, audited: true, routes: &[
     Route { method: "POST", path: "/v1/fits", status: 202, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: true, read: |given| read::<crate::v1::CreateFitRequest>(given, |message, given| { message.request_id = given.request_id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, Some(|message| Some(&message.name))) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/GetFit", scope: Scope::FitsRead, audited: false, routes: &[

@@ -282,7 +282,7 @@ fn rpcs(set: &FileDescriptorSet, pool: &DescriptorPool) -> Vec<Rpc> {
 
 fn route(value: &Value, fields_of_reply: usize) -> Route {
     let Value::Message(route) = value else { panic!("a route is a message") };
-    let methods = ["get", "post", "patch", "delete"];
+    let methods = ["get", "post", "put", "patch", "delete"];
     let given = methods.into_iter().find(|method| route.has_field_by_name(method));
     let method = given.expect("a route has a method");
     let path = text(route, method);

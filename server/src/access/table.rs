@@ -28,10 +28,12 @@ pub enum Access {
 use Access::{Anyone, Open};
 
 /// Conditions of what the contract does not have: pages, the description, and services of others.
-const OTHERS: [(&str, Access); 8] = [
+const OTHERS: [(&str, Access); 10] = [
     ("GET /", Open),
     ("GET /assets/{file}", Open),
     ("GET /docs", Open),
+    ("GET /guide.html", Open),
+    ("GET /guide/{file}", Open),
     ("GET /openapi.json", Open),
     ("/grpc.health.v1.Health/Check", Open),
     ("/grpc.health.v1.Health/Watch", Open),

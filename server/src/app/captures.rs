@@ -1,10 +1,13 @@
 //! Captures. Their content is opaque here; workers read it. What people state about them is in
-//! `facts`.
+//! `facts`, files that are added to them in `supplements`.
 
 mod facts;
+pub(super) mod supplements;
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_proto::v1::{CaptureMetadata, ListCapturesRequest, UpdateCaptureRequest};
+use bendtwin_proto::v1::{
+    CaptureMetadata, ListCapturesRequest, SupplementMetadata, UpdateCaptureRequest,
+};
 use bendtwin_store::{Capture, CaptureFacts, Content, Creator, NewCapture, Overview, Page, Staged};
 
 use super::{App, Body, Error, Result};
@@ -87,6 +90,24 @@ impl App {
         }
         .await;
         audit::changed("DeleteCapture", name, &done);
+        done
+    }
+
+    /// Adds a file to a capture, or replaces the one of its kind.
+    pub(crate) async fn add_supplement(
+        &self,
+        metadata: SupplementMetadata,
+        body: Body,
+    ) -> Result<Overview> {
+        let resource = format!("{}/supplements/{}", metadata.name, metadata.kind);
+        let done = self.receive_supplement(metadata, body).await;
+        audit::changed("AddSupplement", resource, &done);
+        done
+    }
+
+    pub(crate) async fn delete_supplement(&self, name: &str, kind: &str) -> Result<()> {
+        let done = self.remove_supplement(name, kind).await;
+        audit::changed("DeleteSupplement", format!("{name}/supplements/{kind}"), &done);
         done
     }
 }

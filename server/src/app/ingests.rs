@@ -6,8 +6,8 @@ use bendtwin_core::{
     settings::ingest::IngestSettings,
 };
 use bendtwin_store::{
-    AttemptEnd, Blobs, Content, Digest, IngestResult, Lease, NewIngest, NewReport, Observation,
-    Overview, Requirements, Staged, Upload,
+    AttemptEnd, Blobs, Content, Digest, IngestOutcome, IngestResult, Lease, NewIngest, NewReport,
+    Observation, Overview, Requirements, Staged, Upload,
 };
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
@@ -31,6 +31,7 @@ pub(super) struct Ingest {
 pub(crate) enum IngestPart {
     Observation(Bytes),
     Playback(Bytes),
+    Masks(Bytes),
     Report(Bytes),
     Page(Bytes),
 }
@@ -41,10 +42,13 @@ pub(crate) struct IngestUpload {
     /// BLAKE3 in hex; checked if not empty.
     pub(crate) observation_digest: String,
     pub(crate) playback_digest: String,
+    pub(crate) masks_digest: String,
     pub(crate) report_digest: String,
     pub(crate) page_digest: String,
-    /// The fault of a capture without an observation.
+    /// The fault of a capture that cannot be fitted.
     pub(crate) fault: Option<Fault>,
+    /// True if the ingest was to end with masks, and did.
+    pub(crate) masks_only: bool,
     pub(crate) body: BoxStream<'static, Result<IngestPart>>,
 }
 
@@ -52,6 +56,7 @@ pub(crate) struct IngestUpload {
 struct ResultFiles {
     observation: Option<Staged>,
     playback: Option<Staged>,
+    masks: Option<Staged>,
     json: Staged,
     html: Staged,
 }
@@ -131,6 +136,12 @@ impl App {
         Ok((id, self.store.captures().playback_content(id).await?))
     }
 
+    /// The masks of a capture, which its ingest made of strokes.
+    pub(crate) async fn masks(&self, name: &str) -> Result<(CaptureId, Content)> {
+        let id: CaptureId = super::name(name)?;
+        Ok((id, self.store.captures().masks_content(id).await?))
+    }
+
     /// Stores the result of an ingest, which ends its attempt.
     pub(crate) async fn end_ingest(&self, lease: Lease, upload: IngestUpload) -> Result<()> {
         let verdict = upload.verdict.clone();
@@ -138,9 +149,10 @@ impl App {
         if verdict.is_empty() || verdict.len() > MAX_VERDICT || !verdict.bytes().all(is_word) {
             return Err(Error::invalid("verdict", "must be one lower-case word"));
         }
-        let fault = upload.fault.clone();
+        let (fault, masks_only) = (upload.fault.clone(), upload.masks_only);
         self.store.jobs().check_lease(lease).await?;
-        let ResultFiles { observation, playback, json, html } = self.receive_parts(upload).await?;
+        let ResultFiles { observation, playback, masks, json, html } =
+            self.receive_parts(upload).await?;
         self.check_report(&json, &verdict).await?;
         if let Some(observation) = &observation {
             results::check_observation(observation).await?;
@@ -148,12 +160,14 @@ impl App {
         if let Some(playback) = &playback {
             results::check_playback(playback).await?;
         }
+        if let Some(masks) = &masks {
+            results::check_masks(masks).await?;
+        }
         let report = NewReport { verdict, json, html };
-        let result = match (observation, fault) {
-            (Some(observation), None) => {
-                IngestResult::Observed { observation, playback: playback.map(Box::new), report }
-            }
-            (None, Some(fault)) => {
+        let outcome = match (observation, fault, masks_only) {
+            (Some(observation), None, false) => IngestOutcome::Observed(Box::new(observation)),
+            (None, None, true) => IngestOutcome::Masked,
+            (None, Some(fault), false) => {
                 let end = match fault.category {
                     // Another attempt would do no better.
                     Category::InvalidArgument
@@ -161,13 +175,14 @@ impl App {
                     | Category::ResourceExhausted => AttemptEnd::FailedForGood(fault),
                     _ => AttemptEnd::Failed(fault),
                 };
-                IngestResult::Refused { end, report }
+                IngestOutcome::Refused(end)
             }
             _ => {
-                let fault = "must be there or a fault, and not both";
+                let fault = "must be there, or a fault, or masks alone, and only one of these";
                 return Err(Error::invalid("observation", fault));
             }
         };
+        let result = IngestResult { outcome, playback, masks, report };
         let store = self.store.clone();
         let end = async move { store.jobs().end_ingest(lease, result).await };
         let job = self.change(end).await?;
@@ -175,12 +190,14 @@ impl App {
         Ok(())
     }
 
-    /// Receives observation and playback, if any, and the report as a document and as a page.
+    /// Receives observation, playback and masks, if any, and the report as a document and as a page.
     async fn receive_parts(&self, upload: IngestUpload) -> Result<ResultFiles> {
         let IngestUpload { report_digest, page_digest, mut body, .. } = upload;
         let limits = &self.options.limits;
         let blobs = self.store.blobs();
-        let (mut observation, mut playback): (Option<Upload>, Option<Upload>) = (None, None);
+        let mut observation: Option<Upload> = None;
+        let mut playback: Option<Upload> = None;
+        let mut masks: Option<Upload> = None;
         let mut report = blobs.upload(limits.report_bytes).await?;
         let mut page = blobs.upload(limits.report_bytes).await?;
         let idle = limits.upload_idle();
@@ -197,6 +214,10 @@ impl App {
                         let begun = begin(blobs, &mut playback, MAX_PLAYBACK_BYTES).await?;
                         begun.write(chunk).await?;
                     }
+                    IngestPart::Masks(chunk) => {
+                        let begun = begin(blobs, &mut masks, limits.capture_bytes).await?;
+                        begun.write(chunk).await?;
+                    }
                     IngestPart::Report(chunk) => report.write(chunk).await?,
                     IngestPart::Page(chunk) => page.write(chunk).await?,
                 },
@@ -210,6 +231,7 @@ impl App {
         Ok(ResultFiles {
             observation: finish(observation, &upload.observation_digest).await?,
             playback: finish(playback, &upload.playback_digest).await?,
+            masks: finish(masks, &upload.masks_digest).await?,
             json: report.finish(expected(&report_digest)?).await?,
             html: page.finish(expected(&page_digest)?).await?,
         })

@@ -9,11 +9,11 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Claimant, Content, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
-    Observation, TwinFacts, WorkerEnd,
+    AttemptEnd, Capture, Claimant, Content, Digest, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
+    Observation, Supplement, SupplementKind, TwinFacts, WorkerEnd,
 };
 
-use super::{App, Body, Error, Result};
+use super::{App, Body, Error, Result, captures::supplements};
 
 /// News of a worker about its job.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +28,9 @@ pub(crate) struct News {
 pub(crate) enum Downloadable {
     Capture(CaptureId),
     Observation(CaptureId),
+    /// Masks that the ingest before made of strokes.
+    Masks(CaptureId),
+    Supplement(CaptureId, SupplementKind),
     Twin(TwinId),
     /// The checkpoint of a job.
     Checkpoint(JobId),
@@ -37,14 +40,26 @@ impl std::str::FromStr for Downloadable {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
         match name.split_once('/').map(|(collection, _)| collection) {
-            Some("captures") => match name.strip_suffix("/observation") {
-                Some(capture) => Ok(Self::Observation(super::name(capture)?)),
-                None => Ok(Self::Capture(super::name(name)?)),
-            },
+            Some("captures") => of_capture(name),
             Some("twins") => Ok(Self::Twin(super::name(name)?)),
             Some("fits" | "ingests") => Ok(Self::Checkpoint(super::name(name)?)),
             _ => Err(Error::invalid("name", "names no capture, twin or job")),
         }
+    }
+}
+
+/// A content of a capture.
+fn of_capture(name: &str) -> Result<Downloadable> {
+    if let Some(capture) = name.strip_suffix("/observation") {
+        return Ok(Downloadable::Observation(super::name(capture)?));
+    }
+    // Before the masks: they are a supplement, too.
+    if let Some((capture, kind)) = name.split_once("/supplements/") {
+        return Ok(Downloadable::Supplement(super::name(capture)?, supplements::kind(kind)?));
+    }
+    match name.strip_suffix("/masks") {
+        Some(capture) => Ok(Downloadable::Masks(super::name(capture)?)),
+        None => Ok(Downloadable::Capture(super::name(name)?)),
     }
 }
 
@@ -53,18 +68,24 @@ impl std::fmt::Display for Downloadable {
         match self {
             Self::Capture(id) => id.fmt(f),
             Self::Observation(id) => write!(f, "{id}/observation"),
+            Self::Masks(id) => write!(f, "{id}/masks"),
+            Self::Supplement(id, kind) => write!(f, "{id}/supplements/{kind}"),
             Self::Twin(id) => id.fmt(f),
             Self::Checkpoint(id) => write!(f, "the checkpoint of {id}"),
         }
     }
 }
 
-/// A job that was leased to a worker, with its capture and observation.
+/// A job that was leased to a worker, with its capture and what it may read of it.
 #[derive(Clone, Debug)]
 pub(crate) struct LeasedJob {
     pub(crate) job: Job,
     pub(crate) capture: Capture,
     pub(crate) observation: Option<Observation>,
+    /// Files that were added to the capture, for an ingest.
+    pub(crate) supplements: Vec<Supplement>,
+    /// Masks that the ingest before made, for an ingest.
+    pub(crate) masks: Option<Digest>,
 }
 
 /// Answer to a worker that asks for a job.
@@ -107,15 +128,24 @@ impl App {
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
         self.require_known(worker).await?;
-        let capture = self.store.captures().get(job.capture).await?;
-        let observation = self.store.captures().observation(job.capture).await?;
+        let captures = self.store.captures();
+        let capture = captures.get(job.capture).await?;
+        let observation = captures.observation(job.capture).await?;
+        let (supplements, masks) = match kind {
+            Kind::Ingest => {
+                let supplements = captures.supplements(job.capture).await?;
+                (supplements, captures.masks_digest(job.capture).await?)
+            }
+            Kind::Fit => (Vec::new(), None),
+        };
         guard.lease = None;
         let queued = job.created.duration_until(self.store.now()).as_secs_f64();
         self.metrics.job_leased(kind, queued);
         self.dispatch.set_job(worker, kind, Some(&job));
         self.dispatch.seen(worker);
         tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
-        Ok(Offer::Job(Box::new(LeasedJob { job, capture, observation })))
+        let leased = LeasedJob { job, capture, observation, supplements, masks };
+        Ok(Offer::Job(Box::new(leased)))
     }
 
     /// Renews a lease and keeps what is new. Returns true if the job has been asked to stop.
@@ -189,6 +219,10 @@ impl App {
         Ok(match what {
             Downloadable::Capture(id) => self.store.captures().content(id).await?.1,
             Downloadable::Observation(id) => self.store.captures().observation_content(id).await?.1,
+            Downloadable::Masks(id) => self.store.captures().masks_content(id).await?,
+            Downloadable::Supplement(id, kind) => {
+                self.store.captures().supplement_content(id, kind).await?
+            }
             Downloadable::Twin(id) => self.store.twins().content(id).await?.1,
             Downloadable::Checkpoint(id) => self.store.jobs().checkpoint(id).await?,
         })
@@ -202,7 +236,9 @@ impl App {
         Ok(match what {
             Downloadable::Twin(_) | Downloadable::Observation(_) => true,
             Downloadable::Checkpoint(id) => held.iter().any(|job| job.id == id),
-            Downloadable::Capture(id) => has_capture(id),
+            Downloadable::Capture(id)
+            | Downloadable::Masks(id)
+            | Downloadable::Supplement(id, _) => has_capture(id),
         })
     }
 

@@ -1,11 +1,13 @@
 //! `bendtwin.v1.CaptureService`.
 
 use bendtwin_proto::v1::{
-    CancelIngestRequest, Capture, CreateCaptureRequest, CreateCaptureResponse,
-    DeleteCaptureRequest, DeleteCaptureResponse, ExportObservationRequest,
-    ExportObservationResponse, GetCaptureReportRequest, GetCaptureReportResponse,
-    GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, ListCapturesResponse,
-    UpdateCaptureRequest, WatchIngestRequest, capture_service_server::CaptureService,
+    AddSupplementRequest, AddSupplementResponse, CancelIngestRequest, Capture,
+    CreateCaptureRequest, CreateCaptureResponse, DeleteCaptureRequest, DeleteCaptureResponse,
+    DeleteSupplementRequest, DeleteSupplementResponse, ExportMasksRequest, ExportMasksResponse,
+    ExportObservationRequest, ExportObservationResponse, ExportSupplementRequest,
+    ExportSupplementResponse, GetCaptureReportRequest, GetCaptureReportResponse, GetCaptureRequest,
+    IngestCaptureRequest, ListCapturesRequest, ListCapturesResponse, UpdateCaptureRequest,
+    WatchIngestRequest, add_supplement_request, capture_service_server::CaptureService,
     create_capture_request, get_capture_report_request::Format,
 };
 use tonic::{Request, Response, Status, Streaming};
@@ -112,5 +114,49 @@ impl CaptureService for Api {
     ) -> Result<Response<Self::ExportObservationStream>, Status> {
         let (.., content) = self.app.observation(&request.get_ref().name).await?;
         Ok(Response::new(chunks(content, |chunk| ExportObservationResponse { chunk })))
+    }
+
+    type ExportMasksStream = Reply<ExportMasksResponse>;
+
+    async fn export_masks(
+        &self,
+        request: Request<ExportMasksRequest>,
+    ) -> Result<Response<Self::ExportMasksStream>, Status> {
+        let (.., content) = self.app.masks(&request.get_ref().name).await?;
+        Ok(Response::new(chunks(content, |chunk| ExportMasksResponse { chunk })))
+    }
+
+    async fn add_supplement(
+        &self,
+        request: Request<Streaming<AddSupplementRequest>>,
+    ) -> Result<Response<AddSupplementResponse>, Status> {
+        let (metadata, body) = upload::open(request.into_inner(), |m| match m.part {
+            Some(add_supplement_request::Part::Metadata(m)) => upload::Part::Metadata(m),
+            Some(add_supplement_request::Part::Chunk(c)) => upload::Part::Chunk(c),
+            None => upload::Part::Neither,
+        })
+        .await?;
+        let capture = convert::capture(self.app.add_supplement(metadata, body).await?);
+        Ok(Response::new(AddSupplementResponse { capture: Some(capture) }))
+    }
+
+    type ExportSupplementStream = Reply<ExportSupplementResponse>;
+
+    async fn export_supplement(
+        &self,
+        request: Request<ExportSupplementRequest>,
+    ) -> Result<Response<Self::ExportSupplementStream>, Status> {
+        let r = request.get_ref();
+        let (.., content) = self.app.supplement(&r.name, &r.kind).await?;
+        Ok(Response::new(chunks(content, |chunk| ExportSupplementResponse { chunk })))
+    }
+
+    async fn delete_supplement(
+        &self,
+        request: Request<DeleteSupplementRequest>,
+    ) -> Result<Response<DeleteSupplementResponse>, Status> {
+        let r = request.get_ref();
+        self.app.delete_supplement(&r.name, &r.kind).await?;
+        Ok(Response::new(DeleteSupplementResponse {}))
     }
 }

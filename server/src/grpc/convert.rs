@@ -2,7 +2,9 @@
 
 use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::{json::timestamp as time, v1};
-use bendtwin_store::{Job, Key, Overview, PageRequest, Quotas, Requirements, State, Twin};
+use bendtwin_store::{
+    Job, Key, Overview, PageRequest, Quotas, Requirements, State, Supplement, Twin,
+};
 use jiff::Timestamp;
 
 use crate::app::{Error, Result, WorkerView};
@@ -12,7 +14,7 @@ pub(super) fn page(size: u32, token: String) -> PageRequest {
 }
 
 pub(crate) fn capture(overview: Overview) -> v1::Capture {
-    let Overview { capture, mut ingest, report } = overview;
+    let Overview { capture, mut ingest, report, supplements, has_masks } = overview;
     v1::Capture {
         name: capture.id.to_string(),
         display_name: capture.labels.display_name,
@@ -26,6 +28,17 @@ pub(crate) fn capture(overview: Overview) -> v1::Capture {
         tags: capture.labels.tags,
         owner: capture.owner,
         recorded_by: capture.recorded_by,
+        supplements: supplements.into_iter().map(supplement).collect(),
+        masks: has_masks,
+    }
+}
+
+fn supplement(supplement: Supplement) -> v1::Supplement {
+    v1::Supplement {
+        kind: supplement.kind.to_string(),
+        size_bytes: supplement.size_bytes,
+        digest: supplement.digest.to_hex().to_string(),
+        create_time: Some(time(supplement.created)),
     }
 }
 

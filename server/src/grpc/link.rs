@@ -8,13 +8,13 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_proto::worker::v1::{
     CompleteFitRequest, CompleteFitResponse, DownloadRequest, DownloadResponse, EndIngestRequest,
     EndIngestResponse, FailJobRequest, FailJobResponse, HeartbeatRequest, HeartbeatResponse,
-    JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, LeaveRequest,
-    LeaveResponse, RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse,
-    SaveCheckpointRequest, SaveCheckpointResponse, complete_fit_request, end_ingest_request,
-    fail_job_request::End, lease_job_request, save_checkpoint_request,
+    JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, LeasedSupplement,
+    LeaveRequest, LeaveResponse, RegisterRequest, RegisterResponse, ReportJobRequest,
+    ReportJobResponse, SaveCheckpointRequest, SaveCheckpointResponse, complete_fit_request,
+    end_ingest_request, fail_job_request::End, lease_job_request, save_checkpoint_request,
     worker_link_server::WorkerLink,
 };
-use bendtwin_store::{AttemptEnd, Kind, Lease, NewWorker, TwinFacts};
+use bendtwin_store::{AttemptEnd, Kind, Lease, NewWorker, Supplement, TwinFacts};
 use futures::StreamExt;
 use tonic::{Request, Response, Status, Streaming};
 
@@ -38,7 +38,11 @@ fn lease_of(shown: &Credentials, write: &JobWrite) -> app::Result<Lease> {
 }
 
 fn lease_message(leased: LeasedJob) -> LeaseMessage {
-    let LeasedJob { job, capture, observation } = leased;
+    let LeasedJob { job, capture, observation, supplements, masks } = leased;
+    let supplement = |supplement: Supplement| LeasedSupplement {
+        kind: supplement.kind.to_string(),
+        digest: supplement.digest.to_hex().to_string(),
+    };
     LeaseMessage {
         job: job.id.to_string(),
         epoch: job.lease_epoch,
@@ -51,6 +55,8 @@ fn lease_message(leased: LeasedJob) -> LeaseMessage {
         request_id: job.request_id.unwrap_or_default(),
         trace_parent: job.trace_parent.unwrap_or_default(),
         observation_digest: observation.map(|o| o.digest.to_hex().to_string()).unwrap_or_default(),
+        supplements: supplements.into_iter().map(supplement).collect(),
+        masks_digest: masks.map(|d| d.to_hex().to_string()).unwrap_or_default(),
     }
 }
 
@@ -203,6 +209,7 @@ impl WorkerLink for Api {
         let body = messages.map(move |message| match message.map(|m| m.part) {
             Ok(Some(Part::Observation(chunk))) => Ok(IngestPart::Observation(chunk)),
             Ok(Some(Part::Playback(chunk))) => Ok(IngestPart::Playback(chunk)),
+            Ok(Some(Part::Masks(chunk))) => Ok(IngestPart::Masks(chunk)),
             Ok(Some(Part::Report(chunk))) => Ok(IngestPart::Report(chunk)),
             Ok(Some(Part::Page(chunk))) => Ok(IngestPart::Page(chunk)),
             Ok(_) => Err(Error::invalid("part", "must be in every message after the first")),
@@ -213,9 +220,11 @@ impl WorkerLink for Api {
             verdict: made.verdict,
             observation_digest: made.observation_digest,
             playback_digest: made.playback_digest,
+            masks_digest: made.masks_digest,
             report_digest: made.report_digest,
             page_digest: made.page_digest,
             fault: made.fault.as_ref().map(Fault::from),
+            masks_only: made.masks_only,
             body: body.boxed(),
         };
         self.app.end_ingest(lease, upload).await?;

@@ -1,4 +1,4 @@
-//! `/v1/captures`: uploads, downloads and reports.
+//! `/v1/captures`: uploads, downloads, reports, and files that are added later.
 
 use axum::{
     extract::{Request, State},
@@ -6,12 +6,14 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use bendtwin_proto::v1::CaptureMetadata;
+use bendtwin_proto::v1::{CaptureMetadata, SupplementMetadata};
+use bendtwin_store::SupplementKind;
+use serde::Deserialize;
 
 use super::{
     Result,
     download::{download, inline},
-    extract::{self, Id, Metadata},
+    extract::{self, Id, IdAndKind, Metadata, Params},
     message::document,
 };
 use crate::{app::App, grpc::convert};
@@ -24,6 +26,15 @@ const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-
 /// Media types of an upload: its kind is recognised by its content.
 const ARCHIVES: &[&str] =
     &["application/zip", "application/x-tar", "application/gzip", "application/octet-stream"];
+
+/// Media types of a file that is added to a capture.
+const SUPPLEMENTS: &[&str] = &[
+    "application/zip",
+    "application/x-tar",
+    "application/gzip",
+    "application/json",
+    "application/octet-stream",
+];
 
 /// Upload a capture
 pub(super) async fn create(
@@ -86,4 +97,63 @@ pub(super) async fn playback(
     let (capture, content) = app.playback(&id).await?;
     let file_name = format!("{}.playback", capture.uuid());
     download(&headers, content, "application/octet-stream", &file_name).await
+}
+
+/// Download the masks of a capture
+pub(super) async fn masks(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+) -> Result<Response> {
+    let (capture, content) = app.masks(&id).await?;
+    let file_name = format!("{}-masks.zip", capture.uuid());
+    download(&headers, content, "application/zip", &file_name).await
+}
+
+/// The digest of a body.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DigestParams {
+    /// BLAKE3, hex; checked.
+    #[serde(default)]
+    digest: String,
+}
+
+/// Add a file to a capture
+pub(super) async fn add_supplement(
+    State(app): State<App>,
+    IdAndKind(id, kind): IdAndKind,
+    Params(params): Params<DigestParams>,
+    request: Request,
+) -> Result<Response> {
+    extract::expect_type(request.headers(), SUPPLEMENTS)?;
+    let digest = extract::declared_digest(request.headers(), params.digest)?;
+    let metadata = SupplementMetadata { name: id, kind, digest };
+    let body = extract::upload_body(request);
+    let capture = convert::capture(app.add_supplement(metadata, body).await?);
+    Ok(document(&capture).into_response())
+}
+
+/// Download a file that was added to a capture
+pub(super) async fn supplement(
+    State(app): State<App>,
+    IdAndKind(id, kind): IdAndKind,
+    headers: HeaderMap,
+) -> Result<Response> {
+    let (capture, kind, content) = app.supplement(&id, &kind).await?;
+    let (media_type, ending) = match kind {
+        SupplementKind::Masks => ("application/octet-stream", ""),
+        SupplementKind::Calibration => ("application/json", ".json"),
+    };
+    let file_name = format!("{}-{kind}{ending}", capture.uuid());
+    download(&headers, content, media_type, &file_name).await
+}
+
+/// Remove a file that was added to a capture
+pub(super) async fn delete_supplement(
+    State(app): State<App>,
+    IdAndKind(id, kind): IdAndKind,
+) -> Result<StatusCode> {
+    app.delete_supplement(&id, &kind).await?;
+    Ok(StatusCode::NO_CONTENT)
 }

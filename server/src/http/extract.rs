@@ -27,6 +27,18 @@ impl<S: Send + Sync> FromRequestParts<S> for Id {
     }
 }
 
+/// The id of a path, and the kind behind it.
+pub(super) struct IdAndKind(pub(super) String, pub(super) String);
+
+impl<S: Send + Sync> FromRequestParts<S> for IdAndKind {
+    type Rejection = Refusal;
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Refusal> {
+        let path = Path::<(String, String)>::from_request_parts(parts, state).await;
+        path.map(|Path((id, kind))| Self(id, kind))
+            .map_err(|e| Error::invalid("path", e.body_text()).into())
+    }
+}
+
 /// Query parameters.
 pub(super) struct Params<T>(pub(super) T);
 

@@ -1,7 +1,7 @@
 //! Callers that are let in: the token, the host, and what metrics reveal to strangers.
 
 mod audit;
-mod keys;
+pub(super) mod keys;
 
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;

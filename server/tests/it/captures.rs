@@ -1,4 +1,6 @@
 mod ingests;
+mod masks;
+mod supplements;
 mod tus;
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};

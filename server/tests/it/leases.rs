@@ -14,7 +14,7 @@ use tonic::Code;
 use crate::{
     harness::Server,
     results::{observation, report, twin_file},
-    worker::{Worker, link},
+    worker::{Made, Worker, link},
 };
 
 fn reason(status: &tonic::Status) -> String {
@@ -328,8 +328,13 @@ async fn junk_does_not_become_an_observation_or_a_report() {
     }
     assert_eq!(server.get(&format!("/v1/{capture}")).await.1["ingest"]["state"], "RUNNING");
     let (seen, said) = good();
-    let junk = Some((observation(b"seen"), b"BENDPLA".to_vec()));
-    let status = worker.send_seen(&lease, junk, report("good"), "good", None).await.unwrap_err();
-    assert_eq!(reason(&status), "RESULT_UNSOUND");
+    let sound = Made { observation: seen.clone(), ..Made::default() };
+    for junk in [
+        Made { playback: Some(b"BENDPLA".to_vec()), ..sound.clone() },
+        Made { masks: Some(b"PK".to_vec()), ..sound },
+    ] {
+        let status = worker.send_made(&lease, junk, report("good"), "good").await.unwrap_err();
+        assert_eq!(reason(&status), "RESULT_UNSOUND");
+    }
     worker.send_ingest(&lease, seen, said, "good", None).await.unwrap();
 }

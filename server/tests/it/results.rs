@@ -49,6 +49,11 @@ pub(crate) fn playback() -> Vec<u8> {
     b"BENDPLAY and the rest".to_vec()
 }
 
+/// The begin of an archive of masks, different for each label.
+pub(crate) fn masks(label: &[u8]) -> Vec<u8> {
+    [b"PK\x03\x04", label].concat()
+}
+
 /// A report of this verdict.
 pub(crate) fn report(verdict: &str) -> String {
     format!(r#"{{"format":"bendtwin-capture-report","version":1,"verdict":"{verdict}"}}"#)

@@ -225,6 +225,14 @@ async fn captures_and_fits(server: &Server, samples: &mut Samples<'_>) {
     samples.call(Method::POST, &format!("/v1/{capture}/ingest/cancel"), None).await;
     let events = server.http.get(server.url(&format!("/v1/{capture}/events")));
     samples.note("GET the events of a capture", events).await;
+    let supplement = format!("/v1/{capture}/supplements/calibration");
+    let document = json!({"format": "bendtwin-calibration", "version": 1, "cameras": []});
+    samples.call(Method::PUT, &supplement, Some(document)).await;
+    samples.get(&supplement).await;
+    samples.get(&format!("/v1/{capture}")).await;
+    samples.call(Method::DELETE, &supplement, None).await;
+    samples.get(&supplement).await;
+    samples.get(&format!("/v1/{capture}/masks")).await;
     samples.call(Method::POST, &format!("/v1/{worker_name}/drain"), None).await;
 }
 

@@ -1,5 +1,7 @@
 //! A worker as the protocol has it, without physics.
 
+mod ingests;
+
 use std::{
     pin::Pin,
     sync::{
@@ -17,7 +19,7 @@ use bendtwin_core::{
 use bendtwin_proto::{
     fault,
     v1::{
-        CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, Fault, ModelLoss,
+        CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, ModelLoss,
         PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, SessionStates,
         Tensor, Tracking,
         corrected_session::Correction,
@@ -26,12 +28,12 @@ use bendtwin_proto::{
         roll_out_response::{Divergence, Implausible, Timing},
     },
     worker::v1::{
-        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteEvaluateTwinRequest,
+        CompleteFitRequest, DownloadRequest, ExecuteEvaluateTwinRequest,
         ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest, ExecuteRegisterStateResponse,
         ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest,
-        HeartbeatResponse, IngestWrite, JobWrite, Lease, LeaseJobRequest, ManageSessionRequest,
+        HeartbeatResponse, JobWrite, Lease, LeaseJobRequest, ManageSessionRequest,
         ManageSessionResponse, RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite,
-        WatchRequest, WatchResponse, complete_fit_request, end_ingest_request,
+        WatchRequest, WatchResponse, complete_fit_request,
         fail_job_request::End,
         lease_job_request::Kind,
         manage_session_request::Call,
@@ -53,6 +55,8 @@ use crate::{
     harness::{Server, TOKEN},
     results,
 };
+
+pub(crate) use ingests::Made;
 
 type Client = WorkerLinkClient<InterceptedService<Channel, Credentials>>;
 
@@ -218,65 +222,6 @@ impl Worker {
         let (worker, wait_s) = (self.id.to_string(), wait.as_secs_f64());
         let request = LeaseJobRequest { worker, wait_s, kind: kind.into() };
         self.link.lease_job(request).await.unwrap().into_inner().lease
-    }
-
-    /// Ends an ingest well.
-    pub(crate) async fn observe(&mut self, lease: &Lease) -> Result<(), Status> {
-        self.end_ingest(lease, Some(b"seen"), "good", None).await
-    }
-
-    pub(crate) async fn end_ingest(
-        &mut self,
-        lease: &Lease,
-        observation: Option<&'static [u8]>,
-        verdict: &str,
-        fault: Option<Fault>,
-    ) -> Result<(), Status> {
-        let report = results::report(verdict);
-        self.send_ingest(lease, observation.map(results::observation), report, verdict, fault).await
-    }
-
-    /// Ends an ingest with these very contents.
-    pub(crate) async fn send_ingest(
-        &mut self,
-        lease: &Lease,
-        observation: Option<Vec<u8>>,
-        report: String,
-        verdict: &str,
-        fault: Option<Fault>,
-    ) -> Result<(), Status> {
-        let seen = observation.map(|observation| (observation, results::playback()));
-        self.send_seen(lease, seen, report, verdict, fault).await
-    }
-
-    /// Ends an ingest with these very contents, among them an observation with a playback.
-    pub(crate) async fn send_seen(
-        &mut self,
-        lease: &Lease,
-        seen: Option<(Vec<u8>, Vec<u8>)>,
-        report: String,
-        verdict: &str,
-        fault: Option<Fault>,
-    ) -> Result<(), Status> {
-        use end_ingest_request::Part;
-        let (observation, playback) = seen.unzip();
-        let page: &[u8] = b"<p>";
-        let digest = |content: &[u8]| blake3::hash(content).to_hex().to_string();
-        let made = IngestWrite {
-            job: Some(JobWrite { digest: String::new(), ..self.write(lease, b"") }),
-            verdict: verdict.to_owned(),
-            observation_digest: observation.as_deref().map(digest).unwrap_or_default(),
-            playback_digest: playback.as_deref().map(digest).unwrap_or_default(),
-            report_digest: digest(report.as_bytes()),
-            page_digest: digest(page),
-            fault,
-        };
-        let parts = std::iter::once(Part::Metadata(made))
-            .chain(observation.map(|o| Part::Observation(o.into())))
-            .chain(playback.map(|p| Part::Playback(p.into())))
-            .chain([Part::Report(report.into()), Part::Page(Bytes::from_static(page))]);
-        let parts: Vec<_> = parts.map(|part| EndIngestRequest { part: Some(part) }).collect();
-        self.link.end_ingest(futures::stream::iter(parts)).await.map(drop)
     }
 
     pub(crate) async fn report(&mut self, lease: &Lease, fraction: f64) -> Result<bool, Status> {

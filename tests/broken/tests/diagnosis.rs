@@ -139,7 +139,8 @@ fn the_ingest_says_what_inspection_says() {
     let settings = IngestSettings::default();
     let ingest = || {
         let (limits, cancel) = (Limits::default(), CancelToken::default());
-        bendtwin_ingest::ingest(&path, "case", &settings, &limits, None, &mut (), &cancel).unwrap()
+        let input = bendtwin_ingest::Input::new(&path, "case");
+        bendtwin_ingest::ingest(input, &settings, &limits, &mut (), &cancel).unwrap()
     };
     let good = ingest();
     assert!(good.capture.is_ok());

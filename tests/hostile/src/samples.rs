@@ -203,6 +203,7 @@ pub fn recording() -> Recording {
         }),
         truth_tracks: Vec::new(),
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: bendtwin_capture::Sources::default(),
         source: Arc::new(Made),

@@ -9,7 +9,7 @@ use std::{
 use bendtwin_capture::{Limits, phystwin::results::TrainResult};
 use bendtwin_core::{CancelToken, Twin, settings::ingest::IngestSettings};
 use bendtwin_hostile::{Hostile, captures, trainings, twins};
-use bendtwin_ingest::ingest;
+use bendtwin_ingest::{Input, ingest};
 
 const SEED: u64 = 20_260;
 const CAPTURES: usize = 200;
@@ -42,7 +42,8 @@ fn nothing_hostile_panics_or_takes_long_or_takes_much() {
         std::fs::write(&path, &file.bytes).unwrap();
         faults.extend(fault(&file, || {
             let cancel = CancelToken::default();
-            let observed = ingest(&path, "hostile", &settings, &limits, None, &mut (), &cancel);
+            let input = Input::new(&path, "hostile");
+            let observed = ingest(input, &settings, &limits, &mut (), &cancel);
             // A file is refused with a report: an error would be one of the reader.
             refused += usize::from(observed.unwrap().capture.is_err());
         }));

@@ -50,9 +50,11 @@ const PASSED_VARIABLES: [&str; 3] = ["BENDTWIN_LOG", "BENDTWIN_LOG_FORMAT", "RUS
 /// Outcome of the child's work.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum ChildOutcome {
-    /// Observation, playback and report lie in the folder.
+    /// Observation, playback and report lie in the folder, and perhaps masks.
     Observed { verdict: Verdict },
-    /// The report lies in the folder.
+    /// Masks, playback and report lie in the folder.
+    Masked { verdict: Verdict },
+    /// The report lies in the folder, and perhaps a playback and masks.
     Refused { verdict: Verdict, fault: Fault },
     /// The work needs more memory or time than it may take. The fault says which; the folder has no
     /// results.
@@ -105,6 +107,7 @@ impl Child<'_> {
         let status = child.wait().await.map_err(|e| crashed(&e.to_string()))?;
         match last {
             Some(Message::Observed { verdict }) => Ok(ChildOutcome::Observed { verdict }),
+            Some(Message::Masked { verdict }) => Ok(ChildOutcome::Masked { verdict }),
             // A file that cannot be read for lack of memory is not the file's fault.
             Some(Message::Refused { fault, .. }) if is_out_of_memory(&fault.message) => {
                 Ok(ChildOutcome::Exceeded { fault: out_of_memory() })

@@ -14,7 +14,7 @@ use tokio_util::io::ReaderStream;
 use super::{
     child::ChildOutcome,
     process::write_report,
-    protocol::{OBSERVATION, PAGE, PLAYBACK, REPORT, open_result},
+    protocol::{MASKS, OBSERVATION, PAGE, PLAYBACK, REPORT, open_result},
 };
 use crate::{
     job::{
@@ -29,8 +29,16 @@ const CHUNK: usize = 256 << 10;
 
 /// Sends the results in the folder, which ends the job.
 pub(super) async fn deliver(attempt: &Attempt<'_>, folder: &Path, ended: ChildOutcome) {
+    let files = match &ended {
+        ChildOutcome::Observed { .. } => Files { observed: true, completed: true },
+        ChildOutcome::Masked { .. } | ChildOutcome::Refused { .. } => {
+            Files { observed: false, completed: true }
+        }
+        ChildOutcome::Exceeded { .. } => Files { observed: false, completed: false },
+    };
+    let masks_only = matches!(ended, ChildOutcome::Masked { .. });
     let (verdict, fault) = match ended {
-        ChildOutcome::Observed { verdict } => (verdict, None),
+        ChildOutcome::Observed { verdict } | ChildOutcome::Masked { verdict } => (verdict, None),
         ChildOutcome::Refused { verdict, fault } => (verdict, Some(fault)),
         ChildOutcome::Exceeded { fault } => {
             // The child could not write a report.
@@ -45,13 +53,19 @@ pub(super) async fn deliver(attempt: &Attempt<'_>, folder: &Path, ended: ChildOu
     if let Some(fault) = &fault {
         tracing::warn!(reason = fault.reason, "the capture cannot be fitted: {fault}");
     }
-    let made = match measure(&attempt.job, folder, verdict, fault).await {
-        Ok(made) => made,
+    let end = IngestWrite {
+        job: Some(attempt.job.write()),
+        verdict: verdict_name(verdict).to_owned(),
+        fault: fault.as_ref().map(Into::into),
+        masks_only,
+        ..IngestWrite::default()
+    };
+    let (made, parts) = match measure(end, folder, files).await {
+        Ok(measured) => measured,
         Err(error) => {
             return attempt.fail(unreadable(&error), Failure::Passing).await;
         }
     };
-    let parts = parts(folder, made.fault.is_none());
     match attempt
         .send_until_acknowledged("what the ingest made", || send(&attempt.job, &made, &parts))
         .await
@@ -67,40 +81,46 @@ pub(super) async fn deliver(attempt: &Attempt<'_>, folder: &Path, ended: ChildOu
 
 type Wrap = fn(Bytes) -> Part;
 
-/// The files of a result, in the order in which they are sent.
-fn parts(folder: &Path, observed: bool) -> Vec<(PathBuf, Wrap)> {
-    let seen: [(&str, Wrap); 2] = [(OBSERVATION, Part::Observation), (PLAYBACK, Part::Playback)];
-    let reports: [(&str, Wrap); 2] = [(REPORT, Part::Report), (PAGE, Part::Page)];
-    let parts = seen.into_iter().filter(|_| observed).chain(reports);
-    parts.map(|(file, wrap)| (folder.join(file), wrap)).collect()
+/// Files that a child left beside the report.
+#[derive(Clone, Copy)]
+struct Files {
+    /// True if there is an observation, with a playback.
+    observed: bool,
+    /// True if the child came to its end: a playback and masks are whole, if they are there.
+    completed: bool,
 }
 
+/// The end of an ingest with the digests of all files that are there, and these files in the order in
+/// which they are sent.
 async fn measure(
-    job: &LeasedJob,
+    mut made: IngestWrite,
     folder: &Path,
-    verdict: Verdict,
-    fault: Option<Fault>,
-) -> std::io::Result<IngestWrite> {
-    let (write, folder) = (job.write(), folder.to_owned());
+    files: Files,
+) -> std::io::Result<(IngestWrite, Vec<(PathBuf, Wrap)>)> {
+    let folder = folder.to_owned();
     let measured = tokio::task::spawn_blocking(move || {
-        let digest = |file: &str| -> std::io::Result<String> {
+        let mut parts: Vec<(PathBuf, Wrap)> = Vec::new();
+        let mut part = |file: &str, wrap: Wrap| -> std::io::Result<String> {
+            let path = folder.join(file);
             let mut hasher = blake3::Hasher::new();
-            hasher.update_reader(open_result(&folder.join(file))?)?;
+            hasher.update_reader(open_result(&path)?)?;
+            parts.push((path, wrap));
             Ok(hasher.finalize().to_hex().to_string())
         };
-        let of_seen = |file: &str| match fault {
-            None => digest(file),
-            Some(_) => Ok(String::new()),
+        if files.observed {
+            made.observation_digest = part(OBSERVATION, Part::Observation)?;
+        }
+        let mut if_there = |file: &str, wrap: Wrap| match part(file, wrap) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(String::new()),
+            measured => measured,
         };
-        Ok(IngestWrite {
-            job: Some(write),
-            verdict: verdict_name(verdict).to_owned(),
-            observation_digest: of_seen(OBSERVATION)?,
-            playback_digest: of_seen(PLAYBACK)?,
-            report_digest: digest(REPORT)?,
-            page_digest: digest(PAGE)?,
-            fault: fault.as_ref().map(Into::into),
-        })
+        if files.completed {
+            made.playback_digest = if_there(PLAYBACK, Part::Playback)?;
+            made.masks_digest = if_there(MASKS, Part::Masks)?;
+        }
+        made.report_digest = part(REPORT, Part::Report)?;
+        made.page_digest = part(PAGE, Part::Page)?;
+        Ok((made, parts))
     });
     measured.await.map_err(std::io::Error::other)?
 }

@@ -7,16 +7,19 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bendtwin_capture as capture;
+use bendtwin_capture::{self as capture, raw::Supplements};
 use bendtwin_core::{
     CancelToken, Category, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
     settings::ingest::IngestSettings,
 };
-use bendtwin_ingest::{Error, Observed, Step, ingest, views, write_playback};
+use bendtwin_ingest::{Error, Input, Observed, Played, Step, ingest, views, write_playback};
 use bendtwin_inspect::Report;
 
 use super::{
-    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, PLAYBACK, REPORT, Request},
+    protocol::{
+        ARCHIVE, CHECKPOINT, EARLIER_MASKS, Message, OBSERVATION, PAGE, PLAYBACK, REPORT, Request,
+        SUPPLEMENT_CALIBRATION, SUPPLEMENT_MASKS,
+    },
     sandbox::{self, Enforced, Sandbox},
 };
 
@@ -63,39 +66,58 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
     let mut reporter = StdoutReporter { checkpoint: folder.join(CHECKPOINT), reported_at: None };
     let checkpoint = std::fs::read(folder.join(CHECKPOINT)).ok();
     let archive = folder.join(ARCHIVE);
-    let Observed { capture, report, recorded } = ingest(
-        &archive,
-        &request.name,
-        &settings,
-        &limits,
-        checkpoint.as_deref(),
-        &mut Observing(&mut reporter),
-        &CancelToken::default(),
-    )?;
-    write_report(folder, &report).map_err(|e| unwritable(REPORT, e))?;
-    let verdict = report.inspection().verdict;
-    match capture {
-        Ok(observed) => {
-            let mut tell = |fraction: f64| {
-                let progress = bendtwin_ingest::Progress { step: Step::Playback, fraction };
-                reporter.progress(progress);
-            };
-            // The reference is what a twin is made of.
-            let views = recorded.first().and_then(Option::as_ref).and_then(|recording| {
-                views(recording, &mut |share| tell(OBSERVED + (VIEWED - OBSERVED) * share))
-            });
-            capture::write_observation(&observed, views.as_ref(), &folder.join(OBSERVATION))
-                .map_err(|error| match error {
-                    capture::Error::Io { at, source } => unwritable(&at, source),
-                    error => error.fault(),
-                })?;
-            let mut tell = |share: f64| tell(VIEWED + (1.0 - VIEWED) * share);
-            write_playback(&observed, &recorded, &folder.join(PLAYBACK), &mut tell)
-                .map_err(|e| unwritable(PLAYBACK, e))?;
-            Ok(Message::Observed { verdict })
-        }
-        Err(fault) => Ok(Message::Refused { verdict, fault }),
+    let there = |file: &str| Some(folder.join(file)).filter(|path| path.exists());
+    let (masks, calibration) = (there(SUPPLEMENT_MASKS), there(SUPPLEMENT_CALIBRATION));
+    let earlier_masks = there(EARLIER_MASKS);
+    let input = Input {
+        supplements: Supplements { masks: masks.as_deref(), calibration: calibration.as_deref() },
+        earlier_masks: earlier_masks.as_deref(),
+        checkpoint: checkpoint.as_deref(),
+        ..Input::new(&archive, &request.name)
+    };
+    let observer = &mut Observing(&mut reporter);
+    let made = ingest(input, &settings, &limits, observer, &CancelToken::default())?;
+    write_report(folder, &made.report).map_err(|e| unwritable(REPORT, e))?;
+    let mut tell = |fraction: f64| {
+        reporter.progress(bendtwin_ingest::Progress { step: Step::Playback, fraction });
+    };
+    if let Ok(Some(observed)) = &made.capture {
+        // The reference is what a twin is made of.
+        let views = made.recorded.first().and_then(Option::as_ref).and_then(|recording| {
+            views(recording, &mut |share| tell(OBSERVED + (VIEWED - OBSERVED) * share))
+        });
+        capture::write_observation(observed, views.as_ref(), &folder.join(OBSERVATION)).map_err(
+            |error| match error {
+                capture::Error::Io { at, source } => unwritable(&at, source),
+                error => error.fault(),
+            },
+        )?;
     }
+    write_shown(folder, &request.name, &made, &mut |share| {
+        tell(VIEWED + (1.0 - VIEWED) * share);
+    })?;
+    let verdict = made.report.inspection().verdict;
+    Ok(match made.capture {
+        Ok(Some(_)) => Message::Observed { verdict },
+        Ok(None) => Message::Masked { verdict },
+        Err(fault) => Message::Refused { verdict, fault },
+    })
+}
+
+/// Writes the playback: of everything that can be shown, also of a capture that cannot be fitted.
+fn write_shown(
+    folder: &Path,
+    name: &str,
+    made: &Observed,
+    tell: &mut dyn FnMut(f64),
+) -> Result<(), Fault> {
+    let capture = made.capture.as_ref().ok().and_then(Option::as_ref);
+    if capture.is_none() && made.recorded.iter().flatten().next().is_none() {
+        return Ok(());
+    }
+    let name = capture.map_or(name, |capture| capture.name.as_str());
+    let played = Played { name, capture, recorded: &made.recorded, doubt: &[] };
+    write_playback(played, &folder.join(PLAYBACK), tell).map_err(|e| unwritable(PLAYBACK, e))
 }
 
 /// The fault of a system that cannot confine this process as its worker demands.

@@ -23,6 +23,13 @@ pub(super) const CHECKPOINT: &str = "checkpoint";
 pub(super) const OBSERVATION: &str = "observation.zip";
 /// File with what a player shows.
 pub(super) const PLAYBACK: &str = "playback";
+/// File with the masks that were made of strokes.
+pub(super) const MASKS: &str = "masks.zip";
+/// File with the masks that an earlier ingest made of strokes.
+pub(super) const EARLIER_MASKS: &str = "masks-before.zip";
+/// Files that were added to the capture.
+pub(super) const SUPPLEMENT_MASKS: &str = "supplement-masks";
+pub(super) const SUPPLEMENT_CALIBRATION: &str = "supplement-calibration";
 /// File with the report as JSON.
 pub(super) const REPORT: &str = "report.json";
 /// File with the report as HTML.
@@ -78,12 +85,20 @@ pub(super) enum Message {
     Progress(Progress),
     /// A checkpoint has been written.
     Checkpoint,
-    /// Observation, playback and report have been written. The final message.
+    /// Observation, playback and report have been written, and masks if there are strokes. The final
+    /// message.
     Observed {
         /// Verdict of the report.
         verdict: Verdict,
     },
-    /// The capture cannot be fitted. The report has been written. The final message.
+    /// Masks, playback and report have been written, and the settings ask for no more. The final
+    /// message.
+    Masked {
+        /// Verdict of the report.
+        verdict: Verdict,
+    },
+    /// The capture cannot be fitted. The report has been written, and a playback if there are images,
+    /// and masks if there are strokes. The final message.
     Refused {
         /// Verdict of the report.
         verdict: Verdict,

@@ -77,6 +77,14 @@ impl Listing {
         Ok(Self { root: full, name: read.name.clone(), files, skipped: 0 })
     }
 
+    /// The files of a folder of masks: of a folder `mask` in it, if there is one, else its own, under
+    /// that name.
+    pub(super) fn of_masks(root: &Path) -> anyhow::Result<Self> {
+        let inside = root.join("mask");
+        let listing = Self::of(if inside.is_dir() { &inside } else { root })?;
+        Ok(Self { name: "mask".to_owned(), ..listing })
+    }
+
     /// Number of files.
     pub(super) fn len(&self) -> usize {
         self.files.len()
@@ -278,6 +286,33 @@ mod tests {
             ["final_data.pkl", "gt_track_3d.pkl", "metadata.json", "split.json"]
         );
         assert_eq!(read.format, "a processed PhysTwin case (`final_data.pkl`)");
+    }
+
+    #[test]
+    fn masks_are_packed_alone_and_under_their_name() {
+        let root = tempfile::tempdir().unwrap();
+        let case = root.path().join("rope");
+        for name in ["mask/0/object/0.png", "mask/mask_info_0.json", "color/0/0.png"] {
+            std::fs::create_dir_all(case.join(name).parent().unwrap()).unwrap();
+            std::fs::write(case.join(name), name).unwrap();
+        }
+        let renamed = root.path().join("from_a_tool");
+        std::fs::create_dir(&renamed).unwrap();
+        std::fs::rename(case.join("mask"), renamed.join("mask")).unwrap();
+        let inside = renamed.join("mask");
+        for folder in [&renamed, &inside] {
+            let mut bytes = Cursor::new(Vec::new());
+            Listing::of_masks(folder).unwrap().pack(&mut bytes, |_| ()).unwrap();
+            let archive = zip::ZipArchive::new(bytes).unwrap();
+            let names: Vec<_> = archive.file_names().map(|n| n.unwrap().into_owned()).collect();
+            assert_eq!(names, ["mask/0/object/0.png", "mask/mask_info_0.json"]);
+        }
+        let other = root.path().join("tool");
+        std::fs::rename(&inside, &other).unwrap();
+        let mut bytes = Cursor::new(Vec::new());
+        Listing::of_masks(&other).unwrap().pack(&mut bytes, |_| ()).unwrap();
+        let mut archive = zip::ZipArchive::new(bytes).unwrap();
+        assert_eq!(archive.by_index(0).unwrap().name().unwrap(), "mask/0/object/0.png");
     }
 
     #[test]

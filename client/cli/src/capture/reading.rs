@@ -124,6 +124,10 @@ pub(super) async fn follow(
     let report = client.captures().report(name).await.ok();
     output::print(global, &capture, || {
         let next = match capture.ingest.state {
+            JobState::Succeeded if capture.ingest.settings["until"] == "masks" => format!(
+                "\nnext: bendtwin capture masks {name}, or bendtwin capture ingest {name} --keep --until \
+                 points --watch"
+            ),
             JobState::Succeeded => format!("\nnext: bendtwin fit start {name} --watch"),
             _ => String::new(),
         };

@@ -32,6 +32,7 @@ from bendtwin.resources import (
     Progress,
     Requirements,
     SessionInfo,
+    Supplement,
     TwinInfo,
     Worker,
 )
@@ -162,6 +163,7 @@ __all__ = [
     "State",
     "Step",
     "Strain",
+    "Supplement",
     "TargetCloud",
     "Timing",
     "Tracking",

@@ -227,6 +227,40 @@ def watch_capture(name: str) -> Watched[Capture]:
     )
 
 
+def add_supplement(name: str, kind: str, content: Path | bytes) -> Call[Capture]:
+    """Adds a file to a capture."""
+    stated = capture_pb2.SupplementMetadata(name=name, kind=kind)
+
+    def messages() -> Iterator[capture_pb2.AddSupplementRequest]:
+        yield capture_pb2.AddSupplementRequest(metadata=stated)
+        for chunk in chunks_of(content):
+            yield capture_pb2.AddSupplementRequest(chunk=chunk)
+
+    return Call(
+        lambda s: s.captures.AddSupplement,
+        messages(),
+        lambda reply: Capture.from_proto(reply.capture),
+    )
+
+
+def export_supplement(name: str, kind: str) -> Call[bytes]:
+    """A file that was added to a capture, in chunks."""
+    request = capture_pb2.ExportSupplementRequest(name=name, kind=kind)
+    return Call(lambda s: s.captures.ExportSupplement, request, _chunk)
+
+
+def delete_supplement(name: str, kind: str) -> Call[None]:
+    """Removes a file that was added to a capture."""
+    request = capture_pb2.DeleteSupplementRequest(name=name, kind=kind)
+    return Call(lambda s: s.captures.DeleteSupplement, request, _nothing)
+
+
+def export_masks(name: str) -> Call[bytes]:
+    """The masks that an ingest made of strokes, in chunks."""
+    request = capture_pb2.ExportMasksRequest(name=name)
+    return Call(lambda s: s.captures.ExportMasks, request, _chunk)
+
+
 def capture_report(name: str, *, html: bool) -> Call[bytes]:
     """Report on a capture, in chunks."""
     request = capture_pb2.GetCaptureReportRequest(name=name)

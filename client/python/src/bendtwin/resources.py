@@ -152,6 +152,18 @@ class Requirements(FromMessage):
 
 
 @dataclass(frozen=True)
+class Supplement(FromMessage):
+    """A file that was added to a capture, which ingests read beside the archive."""
+
+    #: `masks` or `calibration`.
+    kind: str
+    size_bytes: int
+    #: BLAKE3 of the file, hex.
+    digest: str
+    create_time: datetime | None
+
+
+@dataclass(frozen=True)
 class Capture(FromMessage):
     """A recording of a soft object."""
 
@@ -176,6 +188,10 @@ class Capture(FromMessage):
     ingest_requirements: Requirements = Requirements()
     #: Who recorded it; empty if not stated.
     recorded_by: str = ""
+    #: Files that were added after the upload, one of each kind.
+    supplements: tuple[Supplement, ...] = ()
+    #: True if the last ingest made masks of strokes.
+    masks: bool = False
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ pub struct Camera {
     pub intrinsics: Intrinsics,
     /// Distortion by the lens.
     pub distortion: Distortion,
-    /// From the camera to the world: one for a camera that stands, or one for each frame.
+    /// From the camera to the world: one for a camera that stands, or one for each frame; none if the
+    /// camera is not calibrated, with which nothing can be placed in space.
     pub poses: Vec<Pose>,
     /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that
     /// are missing, shape [T]; empty if the recording has no times.
@@ -59,6 +60,26 @@ pub struct Pose {
     pub translation: [f64; 3],
 }
 
+impl Pose {
+    /// The pose of a camera at the origin that looks along z.
+    pub const IDENTITY: Self = Self {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
+    /// From a quaternion x, y, z, w of any length; not a number if it has none.
+    pub(super) fn from_quaternion(quaternion: [f64; 4], translation: [f64; 3]) -> Self {
+        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let [x, y, z, w] = quaternion.map(|q| q / length);
+        let rotation = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        Self { rotation, translation }
+    }
+}
+
 impl Camera {
     /// The pixel at which a point of the world appears, as column and row, and its depth along the
     /// optical axis [m]. `None` behind the camera. It may lie outside the image.
@@ -81,10 +102,9 @@ impl Camera {
         self.pose(frame).to_world([x * depth_m, y * depth_m, depth_m])
     }
 
-    /// Pose in a frame.
+    /// Pose in a frame; the identity if the camera is not calibrated.
     pub fn pose(&self, frame: usize) -> &Pose {
-        // A reader gives at least one.
-        self.poses.get(frame).unwrap_or(&self.poses[0])
+        self.poses.get(frame).or(self.poses.first()).unwrap_or(&Pose::IDENTITY)
     }
 }
 

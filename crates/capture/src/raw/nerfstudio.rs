@@ -17,7 +17,7 @@ use self::{
 use super::{
     Camera, Pose, Recording,
     decode::DepthUnit,
-    numbering,
+    gripper, numbering,
     stored::{CameraFiles, DepthNames, Names, StoredFrames},
     validity,
 };
@@ -76,6 +76,8 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
             })
             .ok_or_else(|| wrong("`ground` has no direction: give a unit normal".into()))
     });
+    let mut sources = Sources::default();
+    let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
     Ok(Recording {
         name: files.name.clone(),
         fps: groups.fps,
@@ -88,7 +90,8 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         truth_tracks: Vec::new(),
         mass_kg: None,
         notes: crate::format::taken(&files.list("")).into_iter().collect(),
-        sources: Sources::default(),
+        grippers,
+        sources,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

@@ -15,6 +15,7 @@ use self::{labels::Labels, masks::Masks};
 use super::{
     Alignment, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
     decode::DepthUnit,
+    gripper,
     numbering::{self, Images, Numbering},
     stored::{CameraFiles, DepthNames, MAX_MESH, StoredFrames, TrackFiles},
     validity,
@@ -93,6 +94,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     frame.apply(&mut truth_tracks);
     let train_frame_count = split(&mut files, frame_count, &mut ignored)?;
     let mesh = mesh(&mut files, &frame)?;
+    let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
     notes.extend(crate::format::taken(&files.list("")));
     Ok(Recording {
         name: files.name.clone(),
@@ -105,6 +107,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         mesh,
         truth_tracks,
         mass_kg: None,
+        grippers,
         notes,
         sources,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),

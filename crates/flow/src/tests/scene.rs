@@ -86,6 +86,7 @@ impl Scene {
             mesh: None,
             truth_tracks: Vec::new(),
             mass_kg: None,
+            grippers: Vec::new(),
             notes: Vec::new(),
             sources: bendtwin_capture::Sources::default(),
             source: Arc::new(self.clone()),

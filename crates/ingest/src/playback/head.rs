@@ -76,6 +76,10 @@ pub(super) struct CameraEntry {
     /// float32 [1 or K, 3, 4]: camera to world, of a camera that moves by image.
     pub(super) poses: Range,
     pub(super) images: ImagesEntry,
+    /// Masks of the images, if there are any.
+    pub(super) masks: Option<MasksEntry>,
+    /// Doubt of the masks that were made from strokes [T], 0..=1; absent for others.
+    pub(super) doubt: Option<Vec<Option<f32>>>,
 }
 
 #[derive(Serialize)]
@@ -105,8 +109,23 @@ pub(super) struct ImagesEntry {
     pub(super) bytes: Range,
 }
 
+/// Masks of a camera as run lengths, one behind the other.
+#[derive(Serialize)]
+pub(super) struct MasksEntry {
+    /// Length of the runs of each image [bytes]; 0 where there is no mask.
+    pub(super) lengths: Vec<usize>,
+    /// All of them.
+    pub(super) bytes: Range,
+}
+
 impl CameraEntry {
-    pub(super) fn new(camera: &Camera, poses: Range, images: ImagesEntry) -> Self {
+    pub(super) fn new(
+        camera: &Camera,
+        poses: Range,
+        images: ImagesEntry,
+        masks: Option<MasksEntry>,
+        doubt: Option<Vec<Option<f32>>>,
+    ) -> Self {
         let i = camera.intrinsics;
         let (model, coefficients) = match camera.distortion {
             Distortion::None => ("none", Vec::new()),
@@ -120,6 +139,8 @@ impl CameraEntry {
             distortion: DistortionEntry { model, coefficients },
             poses,
             images,
+            masks,
+            doubt,
         }
     }
 }

@@ -1,8 +1,11 @@
-//! Small JPEGs of what the cameras of a recording saw, at as many frames as fit.
+//! Small JPEGs of what the cameras of a recording saw, and its masks at their size, at as many frames
+//! as fit.
 
-use bendtwin_capture::raw::{ColorImage, Frames, Recording};
+use bendtwin_capture::raw::{ColorImage, Frames, Recording, Region};
 use jpeg_encoder::{ColorType, Encoder};
 use rayon::prelude::*;
+
+use super::labels;
 
 /// Longest side of an image [pixels].
 const SIDE: usize = 424;
@@ -16,8 +19,23 @@ const MAX_PIXELS: usize = 3_000_000_000;
 pub(super) struct Images {
     /// Image k of a camera is of frame `k * every`.
     pub(super) every: usize,
-    /// JPEG files, shape [camera, image]; empty for missing ones.
-    pub(super) files: Vec<Vec<Vec<u8>>>,
+    /// Shape [camera, image].
+    pub(super) files: Vec<Vec<Small>>,
+}
+
+/// A small image and its masks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Small {
+    /// JPEG file; empty if it was not recorded.
+    pub(super) jpeg: Vec<u8>,
+    /// Masks as run lengths of [`labels`]; empty if there are none.
+    pub(super) labels: Vec<u8>,
+}
+
+impl Small {
+    fn len(&self) -> usize {
+        self.jpeg.len() + self.labels.len()
+    }
 }
 
 /// Columns and rows of the small image of an image of this size.
@@ -47,20 +65,20 @@ pub(super) fn collect(
     let times = |each: usize, most: usize| frames.saturating_mul(each).div_ceil(most / recordings);
     let mut every = times(cameras.len(), MAX_IMAGES).max(times(pixels, MAX_PIXELS)).max(1);
     // By frame and camera.
-    let mut rows: Vec<Vec<Vec<u8>>> = Vec::new();
+    let mut rows: Vec<Vec<Small>> = Vec::new();
     let (mut bytes, mut frame) = (0, 0);
     while frame < frames {
-        let row: Vec<Vec<u8>> = readers
+        let row: Vec<Small> = readers
             .par_iter_mut()
-            .map(|reader| reader.as_mut().and_then(|r| read(&mut **r, frame)).unwrap_or_default())
+            .map(|reader| reader.as_mut().map(|r| read(&mut **r, frame)).unwrap_or_default())
             .collect();
-        bytes += row.iter().map(Vec::len).sum::<usize>();
+        bytes += row.iter().map(Small::len).sum::<usize>();
         rows.push(row);
         while bytes > budget && !rows.is_empty() {
             // A single one that is too large goes, too.
             let first = usize::from(rows.len() == 1);
             rows = rows.into_iter().skip(first).step_by(2).collect();
-            bytes = rows.iter().flatten().map(Vec::len).sum();
+            bytes = rows.iter().flatten().map(Small::len).sum();
             every *= 2;
         }
         frame = rows.len() * every;
@@ -76,9 +94,18 @@ pub(super) fn collect(
     Images { every, files }
 }
 
-/// The small JPEG of a frame, if its image was recorded.
-fn read(frames: &mut dyn Frames, frame: usize) -> Option<Vec<u8>> {
-    let image = shrunk(&frames.color(frame).ok()??);
+/// The small image of a frame, and its masks.
+fn read(frames: &mut dyn Frames, frame: usize) -> Small {
+    let color = frames.color(frame).ok().flatten();
+    let jpeg = color.and_then(|image| encoded(&image)).unwrap_or_default();
+    let mut mask = |region| frames.mask(frame, region).ok().flatten();
+    let (object, hand) = (mask(Region::Object), mask(Region::Manipulator));
+    Small { jpeg, labels: labels::runs(object.as_ref(), hand.as_ref()) }
+}
+
+/// The small JPEG of an image.
+fn encoded(image: &ColorImage) -> Option<Vec<u8>> {
+    let image = shrunk(image);
     let (width, height) = (u16::try_from(image.width).ok()?, u16::try_from(image.height).ok()?);
     let mut file = Vec::new();
     let encoder = Encoder::new(&mut file, QUALITY);
@@ -139,7 +166,7 @@ mod tests {
         let mut reported = Vec::new();
         let all = collect(&recording, usize::MAX, 1, &mut |done| reported.push(done));
         let count = |images: &Images| images.files.iter().map(Vec::len).collect::<Vec<_>>();
-        let size = |images: &Images| images.files.iter().flatten().map(Vec::len).sum::<usize>();
+        let size = |images: &Images| images.files.iter().flatten().map(Small::len).sum::<usize>();
         assert_eq!(all.every, 1);
         assert_eq!(count(&all), vec![recording.frame_count; recording.cameras.len()]);
         assert!(reported.is_sorted() && reported.last() == Some(&1.0));
@@ -153,7 +180,7 @@ mod tests {
         // A decoder of another make reads them.
         let camera = &recording.cameras[0];
         let size = small_size(camera.width, camera.height);
-        let image = ColorImage::decode("a.jpg", &all.files[0][0], size).unwrap();
+        let image = ColorImage::decode("a.jpg", &all.files[0][0].jpeg, size).unwrap();
         let made = recording.source.frames(0).unwrap().color(0).unwrap().unwrap();
         let differences = image.pixels.as_flattened().iter().zip(made.pixels.as_flattened());
         let sum: u32 = differences.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();

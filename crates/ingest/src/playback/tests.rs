@@ -1,3 +1,4 @@
+use bendtwin_capture::raw;
 use bendtwin_core::CancelToken;
 use bendtwin_synth::{FilmOptions, MakeOptions, Scene, film, make};
 use serde_json::Value;
@@ -15,9 +16,14 @@ impl Parsed {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("playback");
         let mut reported = Vec::new();
-        write_playback(capture, recorded, &path, &mut |share| reported.push(share)).unwrap();
+        let played = Played { name: &capture.name, capture: Some(capture), recorded, doubt: &[] };
+        write_playback(played, &path, &mut |share| reported.push(share)).unwrap();
         assert!(reported.is_sorted() && reported.last() == Some(&1.0), "{reported:?}");
-        let bytes = std::fs::read(&path).unwrap();
+        Self::read(&path)
+    }
+
+    fn read(path: &Path) -> Self {
+        let bytes = std::fs::read(path).unwrap();
         assert_eq!(&bytes[..8], PLAYBACK_MAGIC);
         let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
         assert_eq!((number(8), number(12) % 8), (1, 0));
@@ -113,4 +119,45 @@ fn the_bound_holds_for_long_and_for_many_sequences() {
     assert_eq!(parsed.head["left_out"], 2);
     assert_eq!(parsed.head["sequences"][0]["name"].as_str().unwrap().len(), 200);
     assert!(parsed.data.len() <= MOTION_BYTES);
+}
+
+#[test]
+fn a_recording_without_points_has_its_images_and_masks() {
+    let mut recording = film(Scene::Toy, &FilmOptions::tiny(1)).unwrap();
+    recording.cameras[1].poses.clear();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("playback");
+    let doubt = [vec![Some(0.25), None]];
+    let recorded = [Some(recording.clone())];
+    let played = Played { name: "toy", capture: None, recorded: &recorded, doubt: &doubt };
+    write_playback(played, &path, &mut |_| {}).unwrap();
+    let parsed = Parsed::read(&path);
+    let sequence = &parsed.head["sequences"][0];
+    assert_eq!(sequence["motion"]["point_count"], 0);
+    let camera = &sequence["cameras"][0];
+    assert_eq!(camera["doubt"], serde_json::json!([0.25, null]));
+    assert!(sequence["cameras"][1]["doubt"].is_null());
+    assert_eq!(sequence["cameras"][1]["poses"][1], 0, "it is not calibrated");
+    // The runs of the first image have as many pixels of the object as its mask.
+    let first = camera["masks"]["lengths"][0].as_u64().unwrap() as usize;
+    let (mut pixels, mut object, mut number, mut shift) = (0, 0, 0_u64, 0);
+    for byte in &parsed.range("/sequences/0/cameras/0/masks/bytes")[..first] {
+        number |= u64::from(byte & 0x7f) << shift;
+        shift += 7;
+        if byte & 0x80 == 0 {
+            pixels += number / 4;
+            object += if number % 4 == 1 { number / 4 } else { 0 };
+            (number, shift) = (0, 0);
+        }
+    }
+    let camera = &recording.cameras[0];
+    assert_eq!(pixels as usize, camera.width * camera.height);
+    let mut frames = recording.source.frames(0).unwrap();
+    let mut count = |region| {
+        let mask = frames.mask(0, region).unwrap().unwrap();
+        mask.pixels.into_iter().collect::<Vec<bool>>()
+    };
+    let (wanted, hand) = (count(raw::Region::Object), count(raw::Region::Manipulator));
+    let shown = wanted.iter().zip(&hand).filter(|(object, hand)| **object && !**hand).count();
+    assert_eq!(object as usize, shown);
 }

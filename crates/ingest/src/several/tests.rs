@@ -4,7 +4,7 @@ use bendtwin_capture::{Limits, raw, write_bundle_file};
 use bendtwin_core::Capture;
 use bendtwin_synth::{FilmOptions, MakeOptions, Scene, film, make};
 
-use crate::{Observed, Progress, ingest};
+use crate::{Input, Observed, Progress, ingest};
 
 /// Progress that was reported.
 #[derive(Default)]
@@ -24,7 +24,8 @@ fn ingested(path: &Path) -> (Observed, Vec<f64>) {
     let mut seen = Shares::default();
     let (settings, limits) = (Default::default(), Limits::default());
     let observed =
-        ingest(path, "the toy", &settings, &limits, None, &mut seen, &Default::default()).unwrap();
+        ingest(Input::new(path, "the toy"), &settings, &limits, &mut seen, &Default::default())
+            .unwrap();
     (observed, seen.0)
 }
 
@@ -50,7 +51,7 @@ fn points_and_images_are_recordings_side_by_side() {
     raw::write_case(&recording, &root.path().join("b")).unwrap();
 
     let (observed, progress) = ingested(root.path());
-    let capture = observed.capture.unwrap();
+    let capture = observed.points().unwrap();
     let names: Vec<&str> = capture.recordings().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["the toy", "b", "c"]);
     assert!(capture.recordings().all(|r| r.object.point_count > 0));

@@ -17,7 +17,22 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         assessment.findings.extend(intrinsics(camera, &name, limits).map(|f| f.cameras([index])));
         assessment.findings.extend(poses(camera, &name, limits).map(|f| f.cameras([index])));
     }
+    assessment.findings.extend(uncalibrated(context));
     coinciding(context, assessment);
+}
+
+/// The finding for cameras without a pose, all together.
+fn uncalibrated(context: &Context<'_>) -> Option<Finding> {
+    let cameras = &context.recording.cameras;
+    let without: Vec<usize> =
+        (0..cameras.len()).filter(|&index| cameras[index].poses.is_empty()).collect();
+    let message = match without.as_slice() {
+        [] => return None,
+        all if all.len() == cameras.len() => "the recording has no poses of its cameras".to_owned(),
+        [one] => format!("{} has no pose", named(context.recording, *one)),
+        some => format!("{} of {} cameras have no pose", some.len(), cameras.len()),
+    };
+    Some(Finding::error(Code::NotCalibrated, message).cameras(without))
 }
 
 fn intrinsics(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Option<Finding> {
@@ -55,7 +70,7 @@ fn intrinsics(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Op
 fn poses(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Option<Finding> {
     let finite =
         |p: &Pose| p.rotation.iter().flatten().chain(&p.translation).all(|x| x.is_finite());
-    if camera.poses.is_empty() || !camera.poses.iter().all(finite) {
+    if !camera.poses.iter().all(finite) {
         let message = format!("{name} has a pose with NaN or infinite numbers");
         return Some(Finding::error(Code::ExtrinsicsInvalid, message));
     }

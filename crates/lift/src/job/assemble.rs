@@ -50,7 +50,11 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     refuse_lost(recording, &from.object_seen(), &kept, &mut evidence.findings)?;
     check(cancel)?;
 
-    let seen = from.hand_seen();
+    let grippers = &recording.grippers;
+    let seen = match grippers.as_slice() {
+        [] => from.hand_seen(),
+        grippers => hands::gripper::known(grippers, recording.frame_count),
+    };
     if seen.contains(&true) {
         refuse_gaps(&settings.controls, &seen)?;
     }
@@ -72,7 +76,12 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     let (mut controls, mut control_hands) = (Vec::new(), Vec::new());
     if seen.contains(&true) {
         let object = [kept.points_at(0), &shape.surface, &shape.interior].concat();
-        let made = follow(from, &hand, &clouds, &Contact::new(object, hands.to_vec()))?;
+        let contact = Contact::new(object, hands.to_vec());
+        let made = if grippers.is_empty() {
+            follow(from, &hand, &clouds, &contact)?
+        } else {
+            hands::gripper::controls(grippers, recording.frame_count, &contact, &settings.controls)?
+        };
         controls = made.points;
         // Control points of one hand are beside each other.
         let hands = made.hands.iter().zip(0..);

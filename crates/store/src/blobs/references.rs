@@ -22,6 +22,9 @@ pub(crate) const ALL: &str = "
     select 'captures/' || id as name, 'archive' as part, digest, size_bytes from captures
     union all select 'captures/' || capture, 'observation', digest, size_bytes from observations
     union all select 'captures/' || capture, 'playback', digest, size_bytes from playbacks
+    union all select 'captures/' || capture, 'masks', digest, size_bytes from masks
+    union all select 'captures/' || capture, kind || ' supplement', digest, size_bytes
+        from supplements
     union all select 'captures/' || capture, 'report', json_digest, null from reports
     union all select 'captures/' || capture, 'report page', html_digest, null from reports
     union all select kind || 's/' || id, 'checkpoint', checkpoint, null
@@ -38,6 +41,8 @@ pub(crate) async fn exist<'t>(target: impl Into<Target<'t>>, digest: &str) -> Re
              or exists (select 1 from jobs where checkpoint = $1)
              or exists (select 1 from observations where digest = $1)
              or exists (select 1 from playbacks where digest = $1)
+             or exists (select 1 from masks where digest = $1)
+             or exists (select 1 from supplements where digest = $1)
              or exists (select 1 from reports where json_digest = $1 or html_digest = $1)
              or exists (select 1 from uploads where digest = $1)",
     );

@@ -1,10 +1,10 @@
 //! Results of ingests: the observation that fits read, and the report. One row each for a capture,
-//! replaced by the next ingest, as is the playback (`playbacks`).
+//! replaced by the next ingest, as are playback and masks (`products`).
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
 
-use super::playbacks;
+use super::products::{self, Product};
 use crate::{
     Captures, Content, Digest, Error, Result,
     sql::{Builder, Transaction, query, query_scalar, row::row},
@@ -37,10 +37,12 @@ pub struct Report {
 
 /// Results to be stored.
 pub(crate) struct NewResults {
-    /// Digest and size.
+    /// True if the ingest succeeded: its results replace all that were stored.
+    pub(crate) succeeded: bool,
+    /// Digest and size; none after masks alone.
     pub(crate) observation: Option<(Digest, u64)>,
-    /// Digest and size; only beside an observation.
-    pub(crate) playback: Option<(Digest, u64)>,
+    /// Digests and sizes, in the order of [`Product::ALL`].
+    pub(crate) products: [Option<(Digest, u64)>; 2],
     pub(crate) verdict: String,
     pub(crate) json: Digest,
     pub(crate) html: Digest,
@@ -183,10 +185,16 @@ pub(crate) async fn replace(
     .bind(made.html.to_hex().as_str())
     .execute(&mut *tx)
     .await?;
-    // An ingest that failed leaves the observation of the one before, with its playback.
+    // An ingest that was refused leaves what it does not replace.
+    for (product, made_now) in Product::ALL.into_iter().zip(made.products) {
+        if made.succeeded || made_now.is_some() {
+            obsolete.extend(products::replace(tx, product, capture, made_now, now).await?);
+        }
+    }
+    if made.succeeded {
+        obsolete.extend(forget_observation(tx, capture).await?);
+    }
     let Some((digest, size_bytes)) = made.observation else { return Ok(obsolete) };
-    obsolete.extend(playbacks::replace(tx, capture, made.playback, now).await?);
-    obsolete.extend(forget_observation(tx, capture).await?);
     query(
         "insert into observations (capture, created_at, size_bytes, digest)
          values ($1, $2, $3, $4)",
@@ -204,7 +212,9 @@ pub(crate) async fn replace(
 pub(crate) async fn forget(tx: &mut Transaction, capture: &str) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
     obsolete.extend(forget_observation(tx, capture).await?);
-    obsolete.extend(playbacks::forget(tx, capture).await?);
+    for product in Product::ALL {
+        obsolete.extend(products::forget(tx, product, capture).await?);
+    }
     Ok(obsolete)
 }
 

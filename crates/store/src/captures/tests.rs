@@ -11,6 +11,7 @@ on_both! {
     stays_while_fits_need_it,
     pages_newest_first_without_gaps,
     who_recorded_it_is_kept_changed_and_listed_by,
+    an_empty_page_has_no_overviews,
 }
 
 async fn create(bench: &Bench, content: &'static str, key: &str) -> crate::Result<CaptureId> {
@@ -41,6 +42,12 @@ async fn stays_while_fits_need_it(on: On) {
     assert!(matches!(gone, Err(Error::NotFound { .. })));
     let orphan = bench.store.jobs().create_fit(new_fit(&capture)).await;
     assert!(matches!(orphan, Err(Error::NotFound { .. })));
+}
+
+async fn an_empty_page_has_no_overviews(on: On) {
+    let bench = Bench::new(on).await;
+    let overviews = bench.store.captures().overviews(&ListQuery::default()).await.unwrap();
+    assert!(overviews.items.is_empty());
 }
 
 async fn who_recorded_it_is_kept_changed_and_listed_by(on: On) {

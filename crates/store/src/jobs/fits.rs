@@ -1,7 +1,7 @@
 //! Operations on fits alone: created, listed, ended with a twin.
 
 use bendtwin_core::{
-    Category, Fault,
+    Category, Fault, Problem as _,
     ids::{CaptureId, FitId, TwinId},
 };
 
@@ -48,8 +48,9 @@ impl Jobs<'_> {
     /// before.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`],
-    /// [`Error::DeletedSince`], [`Error::DiskFull`], [`Error::TooManyRequirements`].
+    /// [`Error::NotFound`] if there is no such capture, [`Error::CaptureHasNoPoints`] if its ingest
+    /// ended with masks, [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`],
+    /// [`Error::TooManyRequirements`].
     pub async fn create_fit(&self, new: NewFit) -> Result<Job> {
         self.store.admit()?;
         let requirements = new.requirements.to_text()?;
@@ -85,6 +86,9 @@ impl Jobs<'_> {
         requirements::admit(&mut tx, Kind::Fit, &requirements).await?;
         let name = if new.display_name.is_empty() { &capture_name } else { &new.display_name };
         let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;
+        if ingest.as_ref().is_some_and(|ingest| ingest.masks_only) {
+            return Err(Error::CaptureHasNoPoints { name: new.capture });
+        }
         let fault = ingest.as_ref().and_then(why_not);
         let now = self.store.now_micros();
         let row: Row = query(
@@ -293,6 +297,9 @@ impl Jobs<'_> {
 fn why_not(ingest: &Job) -> Option<Fault> {
     match (ingest.id, ingest.state) {
         (super::JobId::Ingest(_), State::Failed) => ingest.fault.clone(),
+        (super::JobId::Ingest(_), State::Succeeded) if ingest.masks_only => {
+            Some(Error::CaptureHasNoPoints { name: ingest.capture }.fault())
+        }
         (super::JobId::Ingest(_), State::Cancelled) => Some(Fault {
             category: Category::FailedPrecondition,
             reason: "INGEST_CANCELLED".to_owned(),

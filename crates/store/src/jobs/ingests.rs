@@ -9,7 +9,10 @@ use super::{
 };
 use crate::{
     Creator, Digest, Error, Result, Staged,
-    captures::observations,
+    captures::{
+        observations,
+        products::{self, Product},
+    },
     deleted_requests,
     failpoint::Failpoint,
     keys::quotas::{self, More},
@@ -46,23 +49,26 @@ pub struct NewReport {
 
 /// End of an attempt at an ingest, with its results.
 #[derive(Debug)]
-pub enum IngestResult {
-    /// The capture can be fitted.
-    Observed {
-        /// The bundle that fits read.
-        observation: Staged,
-        /// Playback for the player.
-        playback: Option<Box<Staged>>,
-        /// The report of the capture.
-        report: NewReport,
-    },
+pub struct IngestResult {
+    /// The end.
+    pub outcome: IngestOutcome,
+    /// Playback for the player.
+    pub playback: Option<Staged>,
+    /// Masks that were made of strokes.
+    pub masks: Option<Staged>,
+    /// The report of the capture.
+    pub report: NewReport,
+}
+
+/// End of an attempt at an ingest that has a report.
+#[derive(Debug)]
+pub enum IngestOutcome {
+    /// The capture can be fitted: fits read this bundle.
+    Observed(Box<Staged>),
+    /// The ingest ended with masks, as it was to: there is nothing to fit yet.
+    Masked,
     /// The capture cannot be fitted.
-    Refused {
-        /// End of the attempt.
-        end: AttemptEnd,
-        /// The report of the capture.
-        report: NewReport,
-    },
+    Refused(AttemptEnd),
 }
 
 /// Origin of a job: its owner, the W3C traceparent of the call, and the worker that it asks for.
@@ -114,6 +120,30 @@ async fn due(tx: &mut Transaction, capture: &str, now: i64) -> Result<i64> {
         .fetch_optional(tx)
         .await?;
     Ok(now.saturating_add(size.unwrap_or(0).clamp(0, LONGEST)))
+}
+
+/// Refuses a change of what ingests read of a capture while a job of it is queued or running: no job is
+/// to see two states of it.
+///
+/// # Errors
+/// [`Error::NotFound`], [`Error::IngestUnderWay`], [`Error::CaptureInUse`].
+pub(crate) async fn require_idle(tx: &mut Transaction, capture: CaptureId) -> Result<()> {
+    idle_ingest(tx, capture).await.map(drop)
+}
+
+/// The ingest of a capture of which no job is queued or running.
+async fn idle_ingest(tx: &mut Transaction, capture: CaptureId) -> Result<Row> {
+    let key = capture.uuid().to_string();
+    let ingest = row::ingest_of(tx, &key).await?;
+    let ingest = ingest.ok_or_else(|| Error::NotFound { name: capture.to_string() })?;
+    if !ingest.state()?.has_ended() {
+        return Err(Error::IngestUnderWay { name: capture.to_string() });
+    }
+    let fits = row::fits_under_way(tx, &key).await?;
+    if fits > 0 {
+        return Err(Error::CaptureInUse { name: capture.to_string(), fits });
+    }
+    Ok(ingest)
 }
 
 /// Forgets the ingest of a capture within the caller's transaction.
@@ -173,15 +203,7 @@ impl Jobs<'_> {
         }
         let kind = deleted_requests::Kind::Jobs;
         deleted_requests::refuse(&mut tx, kind, new.request_id.as_deref(), None).await?;
-        let before = row::ingest_of(&mut tx, &key).await?;
-        let before = before.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
-        if !before.state()?.has_ended() {
-            return Err(Error::IngestUnderWay { name: new.capture.to_string() });
-        }
-        let fits = row::fits_under_way(&mut tx, &key).await?;
-        if fits > 0 {
-            return Err(Error::CaptureInUse { name: new.capture.to_string(), fits });
-        }
+        let before = idle_ingest(&mut tx, new.capture).await?;
         let more = More { jobs: 1, ..More::default() };
         quotas::require(&mut tx, &new.creator, more).await?;
         admit_ingest(&mut tx, &requirements).await?;
@@ -216,28 +238,29 @@ impl Jobs<'_> {
     }
 
     /// Stores the results of an ingest and ends its attempt, in one transaction. Called again under
-    /// the same lease with the same observation, it returns the same.
+    /// the same lease with the same results, it returns the same.
     ///
     /// # Errors
     /// [`Error::StaleLease`], file errors.
     pub async fn end_ingest(&self, lease: Lease, result: IngestResult) -> Result<Job> {
-        let (observation, playback, report, end) = match result {
-            IngestResult::Observed { observation, playback, report } => {
-                (Some(observation), playback, report, None)
-            }
-            IngestResult::Refused { end, report } => (None, None, report, Some(end)),
-        };
+        let IngestResult { outcome, playback, masks, report } = result;
         let NewReport { verdict, json, html } = report;
+        let (observation, end) = match outcome {
+            IngestOutcome::Observed(observation) => (Some(*observation), None),
+            IngestOutcome::Masked => (None, None),
+            IngestOutcome::Refused(end) => (None, Some(end)),
+        };
         let of = |content: &Staged| (content.digest(), content.size_bytes());
         let made = observations::NewResults {
+            succeeded: end.is_none(),
             observation: observation.as_ref().map(of),
-            playback: playback.as_deref().map(of),
+            products: [playback.as_ref().map(of), masks.as_ref().map(of)],
             verdict,
             json: json.digest(),
             html: html.digest(),
         };
         let contents: Vec<Staged> =
-            observation.into_iter().chain(playback.map(|p| *p)).chain([json, html]).collect();
+            [observation, playback, masks].into_iter().flatten().chain([json, html]).collect();
         let new: Vec<Digest> = contents.iter().map(Staged::digest).collect();
         let guard = self.store.publish_all(contents).await?;
         let stored = self.end_published(lease, &made, end).await;
@@ -267,12 +290,13 @@ impl Jobs<'_> {
     ) -> Result<(Job, Vec<String>)> {
         let mut tx = self.store.inner.database.write().await?;
         let before = row::fetch(&mut tx, lease.job).await?;
-        // A job that has ended has no worker any more: the digest is compared in its place.
-        if before.state()? == State::Succeeded && before.has_epoch_of(lease) && end.is_none() {
-            let stored = observations::digest_of(&mut tx, &before.capture).await?;
-            if stored.is_some() && stored == made.observation.map(|(d, _)| d.to_hex().to_string()) {
-                return Ok((before.try_into()?, Vec::new()));
-            }
+        // A job that has ended has no worker any more: digests are compared in its place.
+        if before.state()? == State::Succeeded
+            && before.has_epoch_of(lease)
+            && end.is_none()
+            && has_stored(&mut tx, &before.capture, made).await?
+        {
+            return Ok((before.try_into()?, Vec::new()));
         }
         let before = row::fetch_leased(&mut tx, lease).await?;
         let now = self.store.now_micros();
@@ -287,14 +311,18 @@ impl Jobs<'_> {
             None => {
                 let row: Row = query(
                     "update jobs set state = 'succeeded', ended_at = $2, lease_until = null,
-                         worker = null, checkpoint = null, revision = revision + 1
+                         worker = null, checkpoint = null, masks_only = $3,
+                         revision = revision + 1
                      where id = $1 returning *",
                 )
                 .bind(&before.id)
                 .bind(now)
+                .bind(made.observation.is_none())
                 .fetch_one(&mut tx)
                 .await?;
-                (row.try_into()?, Vec::new())
+                let job = row.try_into()?;
+                let followers = self.fail_followers(&mut tx, &job).await?;
+                (job, followers)
             }
         };
         self.store.pass(Failpoint::BeforeCommit)?;
@@ -307,4 +335,16 @@ impl Jobs<'_> {
         // The content to which the job still refers is not released: the caller checks that.
         Ok((job, obsolete))
     }
+}
+
+/// True if observation and masks of a capture are these.
+async fn has_stored(
+    tx: &mut Transaction,
+    capture: &str,
+    made: &observations::NewResults,
+) -> Result<bool> {
+    let [_, masks] = made.products;
+    let hex = |made: Option<(Digest, u64)>| made.map(|(digest, _)| digest.to_hex().to_string());
+    Ok(observations::digest_of(tx, capture).await? == hex(made.observation)
+        && products::digest_of(tx, Product::Masks, capture).await? == hex(masks))
 }

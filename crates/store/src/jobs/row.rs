@@ -71,6 +71,7 @@ row! {
         pub(super) twin: Option<String>,
         fault: Option<String>,
         pub(super) attempt_faults: String,
+        pub(super) masks_only: bool,
         trace_parent: Option<String>,
         pub(super) request_id: Option<String>,
         created_at: i64,
@@ -150,6 +151,7 @@ impl TryFrom<Row> for Job {
                 None => None,
             },
             cancel_requested: row.cancel_requested,
+            masks_only: row.masks_only,
             twin: row.twin.as_ref().map(uuid).transpose()?.map(Into::into),
             fault: row.json(&row.fault)?,
             attempt_faults: serde_json::from_str(&row.attempt_faults)

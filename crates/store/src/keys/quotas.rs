@@ -13,7 +13,7 @@ use crate::{
 pub struct Quotas {
     /// Jobs that wait for a worker.
     pub queued_jobs: Option<u64>,
-    /// Size of captures, twin files and uploads under way [bytes].
+    /// Size of captures with their supplements, twin files and uploads under way [bytes].
     pub stored_bytes: Option<u64>,
     /// Rollouts, plans, registrations and evaluations under way at one server.
     pub rollouts: Option<u64>,
@@ -57,6 +57,7 @@ pub(crate) async fn require(tx: &mut Transaction, creator: &Creator, more: More)
         let stored: i64 = query_scalar(
             "select cast(
                  coalesce((select sum(size_bytes) from captures where owner = $1), 0)
+                 + coalesce((select sum(size_bytes) from supplements where owner = $1), 0)
                  + coalesce((select sum(size_bytes) from twins where owner = $1), 0)
                  + coalesce((select sum(offset_bytes) from uploads
                      where owner = $1 and state = 'receiving' and id <> $2), 0) as bigint)",

@@ -1,6 +1,6 @@
 //! Rows whose content is gone. Results of an ingest are made again from the capture; a checkpoint
-//! is forgotten, so that its job starts again. Captures and twins are left unchanged: uploading the
-//! same content again completes them.
+//! is forgotten, so that its job starts again. Captures, their supplements and twins are left
+//! unchanged: uploading the same content again completes them.
 
 use std::collections::BTreeSet;
 
@@ -37,7 +37,7 @@ pub(super) async fn rows(
                 give_up(&mut tx, id, now).await?;
                 actions.push(format!("gave {} up: what had arrived of it is gone", damage.name));
             }
-            "observation" | "playback" | "report" | "report page"
+            "observation" | "playback" | "masks" | "report" | "report page"
                 if !without_archive.contains(&damage.name) =>
             {
                 if read_again.insert(damage.name.clone()) {
@@ -71,11 +71,12 @@ async fn queue_ingest(tx: &mut Transaction, capture: &str) -> Result<()> {
     for statement in [
         "delete from observations where capture = $1",
         "delete from playbacks where capture = $1",
+        "delete from masks where capture = $1",
         "delete from reports where capture = $1",
         "update jobs set state = 'queued', attempts = 0, stalled = 0, furthest = 0,
              checkpoint = null, fault = null, attempt_faults = '[]', progress = null,
              ended_at = null, worker = null, lease_until = null, cancel_requested = false,
-             revision = revision + 1
+             masks_only = false, revision = revision + 1
          where capture = $1 and kind = 'ingest'",
     ] {
         query(statement).bind(capture).execute(&mut *tx).await?;

@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 17] = [
+const TABLES: [Table; 19] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
     Table { name: "deleted_requests", key: "kind, request_id" },
@@ -41,11 +41,13 @@ const TABLES: [Table; 17] = [
     Table { name: "jobs", key: "id" },
     Table { name: "keys", key: "id" },
     Table { name: "losses", key: "fit, stage, variant, iteration" },
+    Table { name: "masks", key: "capture" },
     Table { name: "observations", key: "capture" },
     Table { name: "playbacks", key: "capture" },
     Table { name: "reports", key: "capture" },
     Table { name: "servers", key: "id" },
     Table { name: "store", key: "id" },
+    Table { name: "supplements", key: "capture, kind" },
     Table { name: "tags", key: "kind, tag, resource" },
     Table { name: "twins", key: "id" },
     Table { name: "upload_parts", key: "upload, number" },

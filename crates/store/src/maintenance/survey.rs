@@ -26,7 +26,8 @@ pub enum Depth {
 pub struct Damage {
     /// Resource name.
     pub name: String,
-    /// Part of the resource: archive, observation, report, report page, checkpoint, twin or upload.
+    /// Part of the resource: archive, observation, playback, masks, report, report page, masks
+    /// supplement, calibration supplement, checkpoint, twin or upload.
     pub part: String,
     /// BLAKE3 that the row has.
     pub digest: String,

@@ -9,7 +9,8 @@ use sqlx::{ConnectOptions as _, Connection as _};
 
 use super::*;
 use crate::{
-    Capture, Error, IngestResult, Kind, NewReport, Options, State, Store,
+    Capture, Creator, Error, IngestOutcome, IngestResult, Kind, NewReport, NewSupplement, Options,
+    State, Store, SupplementKind,
     blobs::files,
     database::{self, testing::On},
     store::tests::{Bench, LEASE, lease_of, new_capture, new_fit},
@@ -19,7 +20,8 @@ fn file(dir: &Path, content: &str) -> PathBuf {
     files::published(&dir.join("blobs"), &blake3::hash(content.as_bytes()).to_hex())
 }
 
-/// A capture whose ingest has made `seen`, `played`, `{}` and `<p>`.
+/// A capture whose ingest has made `seen`, `played`, `followed`, `{}` and `<p>`, and to which `poses`
+/// were added.
 async fn observed(bench: &Bench, content: &'static str) -> Capture {
     let capture = bench.fresh_capture(content).await;
     let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
@@ -28,9 +30,16 @@ async fn observed(bench: &Bench, content: &'static str) -> Capture {
         json: bench.stage("{}").await,
         html: bench.stage("<p>").await,
     };
-    let (observation, playback) = (bench.stage("seen").await, bench.stage("played").await);
-    let result = IngestResult::Observed { observation, playback: Some(Box::new(playback)), report };
+    let result = IngestResult {
+        outcome: IngestOutcome::Observed(Box::new(bench.stage("seen").await)),
+        playback: Some(bench.stage("played").await),
+        masks: Some(bench.stage("followed").await),
+        report,
+    };
     bench.store.jobs().end_ingest(lease, result).await.unwrap();
+    let (kind, content) = (SupplementKind::Calibration, bench.stage("poses").await);
+    let new = NewSupplement { capture: capture.id, kind, content, creator: Creator::default() };
+    bench.store.captures().add_supplement(new).await.unwrap();
     capture
 }
 
@@ -58,11 +67,13 @@ async fn a_check_beside_a_server_names_what_is_damaged_and_changes_nothing() {
     let dir = bench.dir.path();
     let sound = check(dir, Depth::Digests).await.unwrap();
     assert!(sound.is_sound() && sound.unreferenced.is_empty(), "{sound:?}");
-    assert_eq!((sound.references, sound.blobs), (6, 6));
+    assert_eq!((sound.references, sound.blobs), (8, 8));
 
     fs::write(file(dir, "archive"), "archi").unwrap();
     fs::write(file(dir, "seen"), "SEEN").unwrap();
     fs::write(file(dir, "played"), "PLAYED").unwrap();
+    fs::write(file(dir, "followed"), "FOLLOWED").unwrap();
+    fs::write(file(dir, "poses"), "POSES").unwrap();
     fs::remove_file(file(dir, "half way")).unwrap();
     fs::write(file(dir, "seen").with_file_name("f".repeat(64)), "stranger").unwrap();
     let found = check(dir, Depth::Digests).await.unwrap();
@@ -77,8 +88,11 @@ async fn a_check_beside_a_server_names_what_is_damaged_and_changes_nothing() {
     let checkpoint = fault("checkpoint", "missing");
     let observation = fault("observation", "other content");
     let playback = fault("playback", "other content");
+    let masks = fault("masks", "other content");
+    let poses = fault("calibration supplement", "other content");
     assert!(!found.is_sound());
-    assert_eq!(faults(&found), [archive.clone(), checkpoint.clone(), observation, playback]);
+    let all = [archive.clone(), poses, checkpoint.clone(), masks, observation, playback];
+    assert_eq!(faults(&found), all);
     assert_eq!(found.unreferenced.len(), 1);
     // Without reading it, changed content goes unnoticed.
     let quick = check(dir, Depth::Sizes).await.unwrap();
@@ -95,12 +109,16 @@ async fn a_repair_makes_again_what_it_can_and_deletes_nothing() {
     let other = bench.capture("another").await;
     let dir = bench.close().await;
     let dir = dir.path();
+    fs::write(file(dir, "followed"), "FOLLOWED").unwrap();
     fs::write(file(dir, "seen"), "SEEN").unwrap();
+    fs::write(file(dir, "poses"), "POSES").unwrap();
     fs::remove_file(file(dir, "half way")).unwrap();
     fs::write(file(dir, "another"), "anoth").unwrap();
     let done = repair(dir).await.unwrap();
-    assert_eq!(done.lost.len(), 1, "{done:?}");
-    assert_eq!(done.lost[0].name, other.id.to_string());
+    assert_eq!(done.lost.len(), 2, "{done:?}");
+    let lost: Vec<_> = done.lost.iter().map(|d| (d.name.clone(), d.part.as_str())).collect();
+    assert!(lost.contains(&(other.id.to_string(), "archive")), "{lost:?}");
+    assert!(lost.contains(&(capture.id.to_string(), "calibration supplement")), "{lost:?}");
     let said = done.actions.join("\n");
     for part in ["read again", "starts anew", "blobs/damaged"] {
         assert!(said.contains(part), "{said}");
@@ -124,6 +142,12 @@ async fn a_repair_makes_again_what_it_can_and_deletes_nothing() {
     let again = new_capture("again", upload.finish(None).await.unwrap());
     store.captures().create(again).await.unwrap();
     assert_eq!(content(&store, other.id).await.unwrap(), 7);
+    // So does what was added to it, although its fit runs: it is the same.
+    let mut upload = store.blobs().upload(1 << 20).await.unwrap();
+    upload.write(Bytes::from_static(b"poses")).await.unwrap();
+    let (kind, content) = (SupplementKind::Calibration, upload.finish(None).await.unwrap());
+    let new = NewSupplement { capture: capture.id, kind, content, creator: Creator::default() };
+    store.captures().add_supplement(new).await.unwrap();
     store.close().await;
     drop(store);
     assert!(check(dir, Depth::Digests).await.unwrap().is_sound());
@@ -291,10 +315,10 @@ async fn content_moves_to_a_bucket_and_an_interrupted_move_resumes() {
     assert!(matches!(early, Error::ObjectsNotMigrated { .. }), "{early}");
 
     let done = relocate(data_dir, &to).await.unwrap();
-    assert_eq!((done.blobs, done.damaged), (5, vec![other.digest.to_hex().to_string()]));
+    assert_eq!((done.blobs, done.damaged), (7, vec![other.digest.to_hex().to_string()]));
     // Interrupted just before its end: the command is run again.
     fs::rename(data_dir.join("blobs.migrated"), data_dir.join("blobs")).unwrap();
-    assert_eq!(relocate(data_dir, &to).await.unwrap().blobs, 5);
+    assert_eq!(relocate(data_dir, &to).await.unwrap().blobs, 7);
     assert!(!data_dir.join("blobs").exists());
 
     let without = Store::open(Options::new(data_dir)).await.unwrap_err();

@@ -5,7 +5,14 @@ use serde_json::json;
 use super::*;
 
 /// Pages and documents that are mounted beside the routes of the API.
-const PAGES: [&str; 4] = ["GET /", "GET /assets/{file}", "GET /docs", "GET /openapi.json"];
+const PAGES: [&str; 6] = [
+    "GET /",
+    "GET /assets/{file}",
+    "GET /docs",
+    "GET /guide.html",
+    "GET /guide/{file}",
+    "GET /openapi.json",
+];
 
 fn names(is_wanted: impl Fn(&str) -> bool) -> BTreeSet<String> {
     TABLE.iter().map(|(name, _)| name.clone()).filter(|name| is_wanted(name)).collect()

@@ -1,6 +1,6 @@
 //! Results of workers, checked before they are stored. A worker holds a token, and what it sends
-//! goes to users and to other workers: twins are decoded, reports, observations and playbacks are
-//! what their headers should say.
+//! goes to users and to other workers: twins are decoded, reports, observations, playbacks and masks
+//! are what their headers should say.
 
 use bendtwin_core::{
     Twin as TwinFile,
@@ -95,6 +95,15 @@ pub(in crate::app) async fn check_playback(content: &Staged) -> Result<()> {
     }
     let fault = "it does not begin like one".to_owned();
     Err(Error::Unsound { what: "a playback", fault })
+}
+
+/// Checks that masks begin like an archive. Workers check the rest when they read them.
+pub(in crate::app) async fn check_masks(content: &Staged) -> Result<()> {
+    if content.head(ENTRY.len() as u64).await?.starts_with(ENTRY) {
+        return Ok(());
+    }
+    let fault = "they do not begin like an archive".to_owned();
+    Err(Error::Unsound { what: "masks", fault })
 }
 
 /// The facts of a twin that listings show.

@@ -72,6 +72,12 @@ async fn changes_are_recorded_and_keys_are_not() {
     let (status, capture) = read(upload.send().await.unwrap()).await;
     assert_eq!((status, &capture["owner"]), (201, &json!("ada")), "{capture}");
     let capture = capture["name"].as_str().unwrap().to_owned();
+    let supplement = format!("{capture}/supplements/masks");
+    for method in [reqwest::Method::PUT, reqwest::Method::DELETE] {
+        let change = server.http.request(method, server.url(&format!("/v1/{supplement}")));
+        // It is being read.
+        assert_eq!(change.bearer_auth(&key).body("masks").send().await.unwrap().status(), 409);
+    }
     for status in [204, 404] {
         let delete = server.http.delete(server.url(&format!("/v1/{capture}"))).bearer_auth(&key);
         assert_eq!(delete.send().await.unwrap().status(), status);
@@ -125,6 +131,8 @@ async fn changes_are_recorded_and_keys_are_not() {
     let expected = [
         ["", "local", "CreateKey", &name, "OK"],
         [&name, "ada", "CreateCapture", &capture, "OK"],
+        [&name, "ada", "AddSupplement", &supplement, "INGEST_UNDER_WAY"],
+        [&name, "ada", "DeleteSupplement", &supplement, "INGEST_UNDER_WAY"],
         [&name, "ada", "DeleteCapture", &capture, "OK"],
         [&name, "ada", "DeleteCapture", &capture, "NOT_FOUND"],
         [&name, "ada", "POST /v1/fits", "", "SCOPE_MISSING"],

@@ -45,6 +45,7 @@ async fn call(server: &Server, name: &str, key: Option<&str>) -> Option<(String,
     let request = match name.split_once(' ') {
         Some((method, path)) => {
             let path = path.replace("{id}", ID).replace("{file}", "none.js");
+            let path = path.replace("{kind}", "masks");
             let method = reqwest::Method::from_bytes(method.as_bytes()).unwrap();
             server.http.request(method, server.url(&path)).header("tus-resumable", "1.0.0")
         }

@@ -35,6 +35,8 @@ async fn the_last_word_counts_and_noise_does_not() {
     let ended =
         run(r#"echo noise; echo '{"checkpoint":1}'; echo '{"observed":{"verdict":"good"}}'"#).await;
     assert_eq!(ended, Ok(ChildOutcome::Observed { verdict: Verdict::Good }));
+    let ended = run(r#"echo '{"masked":{"verdict":"usable"}}'"#).await;
+    assert_eq!(ended, Ok(ChildOutcome::Masked { verdict: Verdict::Usable }));
     let ended =
         run(r#"echo '{"failed":{"category":"ABORTED","reason":"X","message":"m"}}'; exit 1"#).await;
     assert_eq!(ended.unwrap_err().reason, "X");

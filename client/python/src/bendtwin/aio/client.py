@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from bendtwin import calls, session_calls
 from bendtwin.aio.session import Session
 from bendtwin.aio.twin import Twin
-from bendtwin.captures.archive import archive_of
+from bendtwin.captures.archive import archive_of, masks_of
 from bendtwin.captures.motion import Motion, bundle, bundle_file
 from bendtwin.captures.uploads import Sender
 from bendtwin.connection.caller import AsyncCaller
@@ -173,6 +173,45 @@ class Client:
         """Deletes a capture; its twins are kept."""
         await self._caller.run(calls.delete_capture(name))
 
+    # Adding to captures
+
+    async def add_masks(self, name: str, masks: str | PathLike[str] | bytes) -> Capture:
+        """Adds masks to a capture, or replaces those that were added: an archive with a folder
+        `mask` (docs/formats/capture.md), its bytes, or a folder that is packed first.
+
+        The next ingest reads them in place of those of the recording. Refused while an ingest or a
+        fit of the capture is queued or running.
+        """
+        if isinstance(masks, bytes):
+            return await self._caller.run(calls.add_supplement(name, "masks", masks))
+        async with self._caller.packed(Path(masks), masks_of) as archive:
+            return await self._caller.run(calls.add_supplement(name, "masks", archive))
+
+    async def add_calibration(
+        self, name: str, calibration: str | PathLike[str] | bytes | dict[str, Any]
+    ) -> Capture:
+        """Adds a calibration document to a capture, or replaces the one that was added: a file,
+        its bytes, or what it says.
+
+        The next ingest reads it in place of the recording's own. Refused while an ingest or a fit
+        of the capture is queued or running.
+        """
+        if isinstance(calibration, dict):
+            content = json.dumps(calibration).encode()
+        elif isinstance(calibration, bytes):
+            content = calibration
+        else:
+            content = Path(calibration).read_bytes()
+        return await self._caller.run(calls.add_supplement(name, "calibration", content))
+
+    async def download_supplement(self, name: str, kind: str, path: str | PathLike[str]) -> None:
+        """Writes a file that was added to a capture: its `masks` or its `calibration`."""
+        await self._caller.save(calls.export_supplement(name, kind), path)
+
+    async def delete_supplement(self, name: str, kind: str) -> None:
+        """Removes a file that was added to a capture: its `masks` or its `calibration`."""
+        await self._caller.run(calls.delete_supplement(name, kind))
+
     # Reading captures
 
     async def ingest_capture(
@@ -235,6 +274,10 @@ class Client:
         """Writes the observation that fits of a capture work on: tracked points as a bundle
         (ZIP)."""
         await self._caller.save(calls.export_observation(name), path)
+
+    async def download_masks(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes the masks that the last ingest of a capture made of strokes (ZIP)."""
+        await self._caller.save(calls.export_masks(name), path)
 
     # Fits
 

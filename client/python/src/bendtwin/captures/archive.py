@@ -1,4 +1,4 @@
-"""Captures as files: folders are packed, archives are read in chunks."""
+"""Captures and masks as files: folders are packed, archives are read in chunks."""
 
 from __future__ import annotations
 
@@ -27,12 +27,39 @@ def archive_of(path: Path) -> Iterator[Path]:
         path.stat()  # Missing files fail here, not in the middle of a call.
         yield path
         return
+    with _zipped(f"{path.name}.zip", files) as archive:
+        yield archive
+
+
+@contextmanager
+def masks_of(path: Path) -> Iterator[Path]:
+    """Masks as one file: `path` itself, or a temporary ZIP archive with a folder `mask`.
+
+    Of a folder that has a folder `mask` only that is packed; any other folder is packed under that
+    name.
+    """
+    if not path.is_dir():
+        path.stat()
+        yield path
+        return
+    root = path / "mask" if (path / "mask").is_dir() else path
+    files = sorted(p for p in root.rglob("*") if _is_packed(p, root))
+    if not files:
+        raise FileNotFoundError(f"there are no masks in {path}")
+    named = [(f"mask/{file.relative_to(root).as_posix()}", file) for file in files]
+    with _zipped("masks.zip", named) as archive:
+        yield archive
+
+
+@contextmanager
+def _zipped(name: str, files: list[tuple[str, Path]]) -> Iterator[Path]:
+    """A temporary archive of that name with these files."""
     with tempfile.TemporaryDirectory(prefix="bendtwin-") as folder:
-        archive = Path(folder) / f"{path.name}.zip"
+        archive = Path(folder) / name
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as zipped:
-            for name, file in files:
+            for entry_name, file in files:
                 # A fixed time, for the time of a file says nothing about its content.
-                entry = zipfile.ZipInfo(name)
+                entry = zipfile.ZipInfo(entry_name)
                 stored = file.suffix.lower() in _COMPRESSED
                 entry.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
                 entry.file_size = file.stat().st_size  # Decides on the long form of its header.
@@ -60,8 +87,12 @@ def _is_packed(file: Path, root: Path) -> bool:
     return file.is_file() and not file.is_symlink() and not hidden
 
 
-def chunks_of(path: Path) -> Iterator[bytes]:
-    """The file's content in pieces."""
-    with path.open("rb") as file:
+def chunks_of(content: Path | bytes) -> Iterator[bytes]:
+    """The content of a file, or these bytes, in pieces."""
+    if isinstance(content, bytes):
+        for start in range(0, len(content), _CHUNK_BYTES):
+            yield content[start : start + _CHUNK_BYTES]
+        return
+    with content.open("rb") as file:
         while chunk := file.read(_CHUNK_BYTES):
             yield chunk

@@ -9,7 +9,7 @@ import asyncio
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
@@ -24,6 +24,7 @@ from bendtwin.connection.transport import Transport
 from bendtwin.errors import BendTwinError, translated
 
 _Read = TypeVar("_Read")
+_Packer = Callable[[Path], AbstractContextManager[Path]]
 
 
 class Caller:
@@ -133,9 +134,9 @@ class Caller:
         return work()
 
     @contextmanager
-    def packed(self, path: Path) -> Iterator[Path]:
-        """A capture as one file: see `archive_of`."""
-        with archive_of(path) as archive:
+    def packed(self, path: Path, pack: _Packer = archive_of) -> Iterator[Path]:
+        """A folder as one file: see `archive_of` and `masks_of`."""
+        with pack(path) as archive:
             yield archive
 
 
@@ -250,9 +251,9 @@ class AsyncCaller:
         return await asyncio.to_thread(work)
 
     @asynccontextmanager
-    async def packed(self, path: Path) -> AsyncIterator[Path]:
-        """A capture as one file, packed in a thread: see `archive_of`."""
-        packed = archive_of(path)
+    async def packed(self, path: Path, pack: _Packer = archive_of) -> AsyncIterator[Path]:
+        """A folder as one file, packed in a thread: see `archive_of` and `masks_of`."""
+        packed = pack(path)
         archive = await asyncio.to_thread(packed.__enter__)
         try:
             yield archive

@@ -86,6 +86,26 @@ class CaptureServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationResponse.FromString,
                 _registered_method=True)
+        self.ExportMasks = channel.unary_stream(
+                '/bendtwin.v1.CaptureService/ExportMasks',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportMasksRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportMasksResponse.FromString,
+                _registered_method=True)
+        self.AddSupplement = channel.stream_unary(
+                '/bendtwin.v1.CaptureService/AddSupplement',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.AddSupplementRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.AddSupplementResponse.FromString,
+                _registered_method=True)
+        self.ExportSupplement = channel.unary_stream(
+                '/bendtwin.v1.CaptureService/ExportSupplement',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportSupplementRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportSupplementResponse.FromString,
+                _registered_method=True)
+        self.DeleteSupplement = channel.unary_unary(
+                '/bendtwin.v1.CaptureService/DeleteSupplement',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.DeleteSupplementRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.DeleteSupplementResponse.FromString,
+                _registered_method=True)
 
 
 class CaptureServiceServicer(object):
@@ -121,7 +141,7 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteCapture(self, request, context):
-        """Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of the
+        """Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the
         capture is queued or running. Its twins are kept.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
@@ -160,6 +180,38 @@ class CaptureServiceServicer(object):
 
     def ExportObservation(self, request, context):
         """Observation that the ingest made of the capture, in chunks: a ZIP archive (docs/formats/capture.md).
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def ExportMasks(self, request, context):
+        """Masks that the last ingest made of the strokes in its settings, in chunks: a ZIP archive
+        (docs/formats/capture.md).
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def AddSupplement(self, request_iterator, context):
+        """Adds a file to a capture, or replaces the one of its kind: the first message has `metadata`, the following
+        ones `chunk`s in order. The next ingest reads it. Refused with FAILED_PRECONDITION while an ingest or a fit of
+        the capture is queued or running. Sending the same content again changes nothing.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def ExportSupplement(self, request, context):
+        """A file that was added to a capture, in chunks.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def DeleteSupplement(self, request, context):
+        """Removes a file that was added to a capture. Refused with FAILED_PRECONDITION while an ingest or a fit of the
+        capture is queued or running.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -217,6 +269,26 @@ def add_CaptureServiceServicer_to_server(servicer, server):
                     servicer.ExportObservation,
                     request_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationResponse.SerializeToString,
+            ),
+            'ExportMasks': grpc.unary_stream_rpc_method_handler(
+                    servicer.ExportMasks,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportMasksRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportMasksResponse.SerializeToString,
+            ),
+            'AddSupplement': grpc.stream_unary_rpc_method_handler(
+                    servicer.AddSupplement,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.AddSupplementRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.AddSupplementResponse.SerializeToString,
+            ),
+            'ExportSupplement': grpc.unary_stream_rpc_method_handler(
+                    servicer.ExportSupplement,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportSupplementRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportSupplementResponse.SerializeToString,
+            ),
+            'DeleteSupplement': grpc.unary_unary_rpc_method_handler(
+                    servicer.DeleteSupplement,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.DeleteSupplementRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.DeleteSupplementResponse.SerializeToString,
             ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
@@ -491,6 +563,114 @@ class CaptureService(object):
             '/bendtwin.v1.CaptureService/ExportObservation',
             bendtwin_dot_v1_dot_capture__pb2.ExportObservationRequest.SerializeToString,
             bendtwin_dot_v1_dot_capture__pb2.ExportObservationResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def ExportMasks(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_stream(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/ExportMasks',
+            bendtwin_dot_v1_dot_capture__pb2.ExportMasksRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.ExportMasksResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def AddSupplement(request_iterator,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.stream_unary(
+            request_iterator,
+            target,
+            '/bendtwin.v1.CaptureService/AddSupplement',
+            bendtwin_dot_v1_dot_capture__pb2.AddSupplementRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.AddSupplementResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def ExportSupplement(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_stream(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/ExportSupplement',
+            bendtwin_dot_v1_dot_capture__pb2.ExportSupplementRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.ExportSupplementResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def DeleteSupplement(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/DeleteSupplement',
+            bendtwin_dot_v1_dot_capture__pb2.DeleteSupplementRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.DeleteSupplementResponse.FromString,
             options,
             channel_credentials,
             insecure,

@@ -44,11 +44,12 @@ JSON_FIELD_NUMBER: _ClassVar[int]
 json: _descriptor.FieldDescriptor
 
 class Route(_message.Message):
-    __slots__ = ("get", "post", "patch", "delete", "id", "status", "location", "secret", "tensors", "by_hand")
+    __slots__ = ("get", "post", "patch", "delete", "put", "id", "status", "location", "secret", "tensors", "by_hand")
     GET_FIELD_NUMBER: _ClassVar[int]
     POST_FIELD_NUMBER: _ClassVar[int]
     PATCH_FIELD_NUMBER: _ClassVar[int]
     DELETE_FIELD_NUMBER: _ClassVar[int]
+    PUT_FIELD_NUMBER: _ClassVar[int]
     ID_FIELD_NUMBER: _ClassVar[int]
     STATUS_FIELD_NUMBER: _ClassVar[int]
     LOCATION_FIELD_NUMBER: _ClassVar[int]
@@ -59,13 +60,14 @@ class Route(_message.Message):
     post: str
     patch: str
     delete: str
+    put: str
     id: str
     status: int
     location: str
     secret: bool
     tensors: bool
     by_hand: bool
-    def __init__(self, get: _Optional[str] = ..., post: _Optional[str] = ..., patch: _Optional[str] = ..., delete: _Optional[str] = ..., id: _Optional[str] = ..., status: _Optional[int] = ..., location: _Optional[str] = ..., secret: bool = ..., tensors: bool = ..., by_hand: bool = ...) -> None: ...
+    def __init__(self, get: _Optional[str] = ..., post: _Optional[str] = ..., patch: _Optional[str] = ..., delete: _Optional[str] = ..., put: _Optional[str] = ..., id: _Optional[str] = ..., status: _Optional[int] = ..., location: _Optional[str] = ..., secret: bool = ..., tensors: bool = ..., by_hand: bool = ...) -> None: ...
 
 class JsonField(_message.Message):
     __slots__ = ("form", "changeable", "required", "pattern", "max_length")

@@ -3,7 +3,7 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 
 use super::*;
-use crate::{Capture, Fit, Key, Session, Twin, Worker};
+use crate::{Capture, Fit, Key, Session, Supplement, Twin, Worker};
 
 #[test]
 fn a_resource_has_every_field_of_its_message() {
@@ -15,6 +15,7 @@ fn a_resource_has_every_field_of_its_message() {
         ("Job", Job::NAMES),
         ("Key", Key::NAMES),
         ("Session", Session::NAMES),
+        ("Supplement", Supplement::NAMES),
         ("Twin", Twin::NAMES),
         ("Worker", Worker::NAMES),
     ] {

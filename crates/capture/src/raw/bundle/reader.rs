@@ -14,6 +14,7 @@ use crate::{
     raw::{
         Alignment, Camera, MeshFile, Pose, Recording,
         decode::DepthUnit,
+        gripper,
         numbering::{self, Images},
         stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
         validity,
@@ -56,6 +57,8 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         frame.apply(&mut truth);
     }
     let mesh = mesh.map(|entry| read_mesh(&mut files, &entry, &frame)).transpose()?;
+    let mut sources = Sources::default();
+    let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
     Ok(Recording {
         name,
         fps: manifest.fps,
@@ -68,7 +71,8 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         truth_tracks: truth,
         mass_kg: manifest.mass_kg,
         notes,
-        sources: Sources::default(),
+        grippers,
+        sources,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

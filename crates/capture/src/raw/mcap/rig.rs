@@ -138,6 +138,7 @@ pub(super) fn recording(
         mesh: index.mesh.map(|(name, bytes)| MeshFile { name, bytes, to_world: None }),
         truth_tracks: Vec::new(),
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: Sources::default(),
         source: Arc::new(source),

@@ -86,6 +86,37 @@ fn a_migration_only_adds_or_is_called_breaking() {
     }
 }
 
+/// A database of every earlier version is opened, and what its captures lacked is empty.
+#[tokio::test]
+async fn a_database_of_any_earlier_version_is_migrated() {
+    let id = uuid::Uuid::now_v7();
+    for version in 1..newest() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = database::options(&folder.path().join(database::FILE)).create_if_missing(true);
+        let mut connection = sqlx::ConnectOptions::connect(&file).await.unwrap();
+        let earlier: Vec<Migration> =
+            super::sqlite().iter().filter(|m| m.version <= version).cloned().collect();
+        Migrator::with_migrations(earlier).run(&mut connection).await.unwrap();
+        let capture = query(
+            "insert into captures (id, display_name, created_at, size_bytes, digest)
+             values ($1, 'rope', 7, 5, $2)",
+        );
+        let capture = capture.bind(id.to_string()).bind("0".repeat(64));
+        capture.execute(&mut connection).await.unwrap();
+        sqlx::Connection::close(connection).await.unwrap();
+
+        let store = Store::open(Options::new(folder.path())).await.unwrap();
+        let found = store.captures().overview(id.into()).await.unwrap();
+        assert_eq!(
+            (found.capture.labels.display_name.as_str(), found.capture.size_bytes),
+            ("rope", 5)
+        );
+        assert!(found.supplements.is_empty() && !found.has_masks && !found.ingest.masks_only);
+        assert_eq!(found.ingest.state, crate::State::Queued, "{version}");
+        store.close().await;
+    }
+}
+
 /// Notes a migration as a newer version would after it has run it.
 async fn note(bench: &Bench, version: i64, name: &str) {
     let noted = query(

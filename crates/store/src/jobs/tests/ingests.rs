@@ -4,8 +4,8 @@ use bendtwin_core::{Category, Problem as _, ids::WorkerId};
 
 use super::{fault, progress};
 use crate::{
-    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, NewIngest, NewReport, Requirements,
-    State, WorkerEnd,
+    AttemptEnd, Capture, Error, IngestOutcome, IngestResult, Job, Kind, Lease, NewIngest,
+    NewReport, Requirements, State, WorkerEnd,
     database::testing::{On, on_both},
     failpoint::Failpoint,
     sql::query,
@@ -15,6 +15,8 @@ use crate::{
 on_both! {
     a_capture_is_made_with_its_ingest_and_fits_wait_for_it,
     what_fails_the_ingest_fails_its_fits_and_keeps_the_report,
+    masks_alone_are_a_success_without_anything_to_fit,
+    a_refused_ingest_replaces_what_it_made_and_nothing_else,
     a_cancelled_ingest_says_so_to_fits,
     stalled_ingests_fail_and_checkpoints_go_with_them,
     a_deleted_capture_leaves_nothing,
@@ -34,9 +36,25 @@ async fn observe(bench: &Bench, lease: Lease, content: &'static str) -> crate::R
 }
 
 async fn observed(bench: &Bench, content: &'static str) -> IngestResult {
-    let (observation, playback) = (bench.stage(content).await, bench.stage("played").await);
-    let report = report(bench, "good").await;
-    IngestResult::Observed { observation, playback: Some(Box::new(playback)), report }
+    IngestResult {
+        outcome: IngestOutcome::Observed(Box::new(bench.stage(content).await)),
+        playback: Some(bench.stage("played").await),
+        masks: None,
+        report: report(bench, "good").await,
+    }
+}
+
+/// The end of an ingest up to the masks.
+async fn masked(bench: &Bench, masks: &'static str) -> IngestResult {
+    let (outcome, masks) = (IngestOutcome::Masked, Some(bench.stage(masks).await));
+    IngestResult { outcome, masks, ..observed(bench, "").await }
+}
+
+/// The end of an ingest whose capture cannot be fitted, without anything but the report.
+async fn refused(bench: &Bench) -> IngestResult {
+    let outcome = IngestOutcome::Refused(AttemptEnd::FailedForGood(fault()));
+    let report = report(bench, "unusable").await;
+    IngestResult { outcome, playback: None, masks: None, report }
 }
 
 fn again(capture: &Capture) -> NewIngest {
@@ -90,8 +108,7 @@ async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report(on: On) {
     let jobs = bench.store.jobs();
     let waiting = jobs.create_fit(new_fit(&capture)).await.unwrap();
     let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
-    let end = AttemptEnd::FailedForGood(fault());
-    let result = IngestResult::Refused { end, report: report(&bench, "unusable").await };
+    let result = refused(&bench).await;
     assert_eq!(jobs.end_ingest(lease, result).await.unwrap().state, State::Failed);
     let later = jobs.create_fit(new_fit(&capture)).await.unwrap();
     for fit in [waiting.id, later.id] {
@@ -116,6 +133,94 @@ async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report(on: On) {
     // A fit does not see two observations.
     let refused = jobs.create_ingest(again(&capture)).await;
     assert!(matches!(refused, Err(Error::CaptureInUse { fits: 1, .. })));
+}
+
+async fn masks_alone_are_a_success_without_anything_to_fit(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.fresh_capture("a").await;
+    let (jobs, captures) = (bench.store.jobs(), bench.store.captures());
+    let missing = captures.masks_content(capture.id).await.err().unwrap();
+    assert_eq!((missing.category(), missing.reason()), (Category::NotFound, "MASKS_MISSING"));
+    observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
+
+    jobs.create_ingest(again(&capture)).await.unwrap();
+    let waiting = jobs.create_fit(new_fit(&capture)).await.unwrap();
+    let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+    let ended = jobs.end_ingest(lease, masked(&bench, "masks").await).await.unwrap();
+    assert_eq!((ended.state, ended.masks_only), (State::Succeeded, true));
+    // As if the reply was lost; other masks are another result.
+    assert_eq!(jobs.end_ingest(lease, masked(&bench, "masks").await).await.unwrap(), ended);
+    for other in [masked(&bench, "others").await, observed(&bench, "seen").await] {
+        let other = jobs.end_ingest(lease, other).await;
+        assert!(matches!(other, Err(Error::StaleLease { .. })), "{other:?}");
+    }
+    let overview = captures.overview(capture.id).await.unwrap();
+    assert!(overview.has_masks && overview.report.is_some());
+    assert!(captures.overviews(&Default::default()).await.unwrap().items[0].has_masks);
+    assert_eq!(captures.masks_content(capture.id).await.unwrap().size_bytes, 5);
+    captures.playback_content(capture.id).await.unwrap();
+    let none = captures.observation_content(capture.id).await;
+    assert!(matches!(none, Err(Error::NotFound { .. })));
+    let waiting = jobs.get(waiting.id).await.unwrap();
+    let reason = waiting.fault.unwrap().reason;
+    assert_eq!((waiting.state, reason.as_str()), (State::Failed, "CAPTURE_HAS_NO_POINTS"));
+    let early = jobs.create_fit(new_fit(&capture)).await.unwrap_err();
+    assert_eq!(
+        (early.category(), early.reason()),
+        (Category::FailedPrecondition, "CAPTURE_HAS_NO_POINTS")
+    );
+    // The archive, masks, playback, a document and a page.
+    assert_eq!(bench.blob_count().await, 5);
+
+    jobs.create_ingest(again(&capture)).await.unwrap();
+    let fit = jobs.create_fit(new_fit(&capture)).await.unwrap();
+    let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+    let both =
+        IngestResult { masks: Some(bench.stage("masks").await), ..observed(&bench, "seen").await };
+    let ended = jobs.end_ingest(lease, both).await.unwrap();
+    assert_eq!((ended.state, ended.masks_only), (State::Succeeded, false));
+    assert_eq!(bench.claim(Kind::Fit).await.unwrap().id, fit.id);
+    captures.masks_content(capture.id).await.unwrap();
+    let worker = jobs.get(fit.id).await.unwrap().worker.unwrap();
+    jobs.cancel(fit.id).await.unwrap();
+    jobs.forfeit(worker, WorkerEnd::Lost).await.unwrap();
+
+    // One without strokes makes none.
+    jobs.create_ingest(again(&capture)).await.unwrap();
+    observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
+    assert!(!captures.overview(capture.id).await.unwrap().has_masks);
+    captures.delete(capture.id).await.unwrap();
+    assert_eq!(bench.blob_count().await, 0);
+}
+
+async fn a_refused_ingest_replaces_what_it_made_and_nothing_else(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.fresh_capture("a").await;
+    let (jobs, captures) = (bench.store.jobs(), bench.store.captures());
+    let end = async |result: IngestResult| {
+        let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+        jobs.end_ingest(lease, result).await.unwrap();
+        jobs.create_ingest(again(&capture)).await.unwrap();
+    };
+    let sizes = async || {
+        let playback = captures.playback_content(capture.id).await.map(|c| c.size_bytes).ok();
+        (playback, captures.masks_content(capture.id).await.map(|c| c.size_bytes).ok())
+    };
+    // Images without points, for a recording that cannot be fitted yet.
+    let images = Some(bench.stage("images").await);
+    end(IngestResult { playback: images, ..refused(&bench).await }).await;
+    assert_eq!(sizes().await, (Some(6), None));
+    let masks = Some(bench.stage("masks").await);
+    end(IngestResult { masks, ..observed(&bench, "seen").await }).await;
+    end(refused(&bench).await).await;
+    assert_eq!(sizes().await, (Some(6), Some(5)));
+    captures.observation_content(capture.id).await.unwrap();
+    let masks = Some(bench.stage("better masks").await);
+    end(IngestResult { masks, ..refused(&bench).await }).await;
+    assert_eq!(sizes().await, (Some(6), Some(12)));
+    captures.observation_content(capture.id).await.unwrap();
+    // The archive, observation, playback, masks, a document and a page.
+    assert_eq!(bench.blob_count().await, 6);
 }
 
 async fn a_cancelled_ingest_says_so_to_fits(on: On) {
@@ -192,8 +297,7 @@ async fn a_capture_without_a_playback_says_that_its_ingest_makes_one(on: On) {
     // A worker from before makes none, and the old one is not of the new observation.
     bench.store.jobs().create_ingest(again(&capture)).await.unwrap();
     let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
-    let (observation, report) = (bench.stage("anew").await, report(&bench, "good").await);
-    let result = IngestResult::Observed { observation, playback: None, report };
+    let result = IngestResult { playback: None, ..observed(&bench, "anew").await };
     bench.store.jobs().end_ingest(lease, result).await.unwrap();
     assert!(matches!(playback().await, Err(Error::PlaybackMissing { .. })));
     // The archive, an observation, a document and a page.

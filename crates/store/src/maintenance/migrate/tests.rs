@@ -4,7 +4,8 @@ use bendtwin_core::Problem as _;
 
 use super::*;
 use crate::{
-    CaptureChange, Kind, LabelChange, ListQuery, Options, Store, TwinFacts,
+    CaptureChange, Creator, Kind, LabelChange, ListQuery, NewSupplement, Options, Store,
+    SupplementKind, TwinFacts,
     database::testing::{On, TestDatabase},
     maintenance::{Depth, check},
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -35,6 +36,9 @@ async fn filled() -> Bench {
     };
     let change = CaptureChange { labels, recorded_by: Some("Ada".into()) };
     bench.store.captures().update(capture.id, &change).await.unwrap();
+    let (kind, content) = (SupplementKind::Masks, bench.stage("masks").await);
+    let new = NewSupplement { capture: capture.id, kind, content, creator: Creator::default() };
+    bench.store.captures().add_supplement(new).await.unwrap();
     for _ in 0..BATCH {
         bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     }
@@ -90,6 +94,8 @@ async fn a_store_moves_with_all_its_rows() {
     let recorded = ListQuery { recorded_by: "Ada".into(), ..ListQuery::default() };
     assert_eq!(store.captures().list(&recorded).await.unwrap().items, after.0);
     store.twins().content(after.2[0].id).await.unwrap();
+    let capture = after.0[0].id;
+    store.captures().supplement_content(capture, SupplementKind::Masks).await.unwrap();
     store.close().await;
 }
 
