@@ -6,18 +6,8 @@ type Schemas = components['schemas'];
 export type Fault = Schemas['Fault'];
 export type Progress = Schemas['Progress'];
 export type Job = Schemas['Job'];
-export type Capture = Schemas['Capture'] & {
-  /** True if the capture has masks that strokes made. */
-  readonly masks?: boolean;
-  readonly supplements?: readonly Supplement[];
-};
-/** A file that was added to a capture after its upload. */
-export interface Supplement {
-  readonly kind: string;
-  readonly size_bytes: number;
-  readonly digest: string;
-  readonly create_time: string;
-}
+export type Capture = Schemas['Capture'];
+export type Supplement = Schemas['Supplement'];
 export type Fit = Schemas['Fit'];
 export type Twin = Schemas['Twin'];
 export type Worker = Schemas['Worker'];

@@ -49,10 +49,10 @@ export class Supplements {
   ) {}
 
   show(capture: Capture): void {
-    const there = capture.supplements ?? [];
+    const there = capture.supplements;
     if (there.length > 0) this.element.open = true;
     this.element.replaceChildren(
-      h('summary', {}, 'Masks and calibration of other tools'),
+      h('summary', {}, 'Add masks or a calibration'),
       ...KINDS.map((kind) => this.#row(capture, kind, there.find((own) => own.kind === kind.kind))),
       this.#faults,
       this.#next,
