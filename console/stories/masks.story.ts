@@ -51,9 +51,9 @@ describe('from cameras to a twin', () => {
     await page.getByLabel('Side of a marker [mm]').fill(String(1000 * BOARD.marker));
     await page.getByLabel('Dictionary of the markers').selectOption(BOARD.dictionary);
     await page.getByRole('button', { name: 'Calibrate', exact: true }).click();
-    await page.locator('.job .badge').getByText(/running|queued/).or(page.getByText('MASKS_MISSING')).first().waitFor();
-    await page.getByText('MASKS_MISSING').waitFor(LONG);
-    expect(await page.getByText('NOT_CALIBRATED').count()).toBe(0);
+    await expect.poll(() => page.getByText('NOT_CALIBRATED').count(), LONG).toBe(0);
+    await page.getByText('MASKS_MISSING').first().waitFor(LONG);
+    await page.getByText('Reprojection error').waitFor();
     await visit.stop('cameras-calibrated');
     await page.getByRole('link', { name: 'Mark the object and the hand' }).first().click();
     await visit.heading('Masks of lab');

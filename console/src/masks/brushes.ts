@@ -48,7 +48,7 @@ export class Tools {
     this.#size = h('input', { type: 'range', min: RADII.least, max: RADII.most, value: RADII.initial });
     this.#size.addEventListener('input', () => this.#resize());
     this.#zoom = h('select', {}, ...ZOOMS.map((factor) => h('option', { value: factor }, `${factor} ×`)));
-    this.#zoom.addEventListener('change', () => actions.zoom(Number(this.#zoom.value)));
+    this.#zoom.addEventListener('change', () => actions.zoom(this.factor));
     const shows = h('input', { type: 'checkbox', checked: true });
     shows.addEventListener('change', () => {
       this.showsMasks = shows.checked;
@@ -76,6 +76,11 @@ export class Tools {
     this.part = part;
     for (const [own, button] of this.#brushes) button.setAttribute('aria-pressed', String(own === part));
     this.actions.changed();
+  }
+
+  /** Magnification of the images. */
+  get factor(): number {
+    return Number(this.#zoom.value);
   }
 
   /** Makes the brush small enough for images of this many columns. */

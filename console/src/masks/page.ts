@@ -128,6 +128,7 @@ class MasksPage {
           several ? h('p', { class: 'hint' }, 'This capture has several recordings; the first is shown.') : '',
           this.#workspace.element,
         );
+        this.#workspace.zoom(this.#tools.factor);
         this.#list.replaceChildren(this.#strokeList.element);
       }
       await this.#showFindings();
