@@ -12,6 +12,7 @@ export const ROUTES: readonly Route[] = [
   { path: '/', open: () => import('./pages/home/page') },
   { path: '/captures', open: () => import('./pages/captures/list') },
   { path: '/captures/:id/playback', open: () => import('./playback/page') },
+  { path: '/captures/:id/masks', open: () => import('./masks/page') },
   { path: '/captures/:id', open: () => import('./pages/captures/detail') },
   { path: '/fits', open: () => import('./pages/fits/list') },
   { path: '/fits/new', open: () => import('./pages/fits/new') },

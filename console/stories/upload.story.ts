@@ -43,7 +43,7 @@ describe('uploads', () => {
     await rows.filter({ hasText: 'toy' }).getByRole('link', { name: 'Open the capture' }).click();
     await visit.heading('toy');
     await visit.page.getByText('This recording is good').waitFor();
-    await visit.page.locator('.pictures img').first().scrollIntoViewIfNeeded();
+    await visit.page.getByRole('heading', { name: 'Pictures' }).scrollIntoViewIfNeeded();
     await expect
       .poll(() =>
         visit.page

@@ -86,7 +86,7 @@ export interface paths {
         post?: never;
         /**
          * Delete capture
-         * @description Deletes its observation, playback and report, too. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are kept.
+         * @description Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are kept.
          */
         delete: operations["DeleteCapture"];
         options?: never;
@@ -175,6 +175,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/captures/{id}/masks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Download the masks of a capture
+         * @description Masks that the last ingest made of the strokes in its settings, in the layout of a raw PhysTwin case, with `mask/following.json` beside them (docs/formats/capture.md). Reason `MASKS_MISSING` if there are none.
+         */
+        get: operations["ExportMasks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/captures/{id}/observation": {
         parameters: {
             query?: never;
@@ -247,6 +267,28 @@ export interface paths {
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/captures/{id}/supplements/{kind}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Download a file that was added to a capture */
+        get: operations["ExportSupplement"];
+        /**
+         * Add a file to a capture
+         * @description The body is the file: for `masks` an archive with a folder `mask`, for `calibration` a JSON document. It takes the place of the one of its kind, and the next ingest reads it. The same content again changes nothing.
+         */
+        put: operations["AddSupplement"];
+        post?: never;
+        /** Remove a file that was added to a capture */
+        delete: operations["DeleteSupplement"];
         options?: never;
         head?: never;
         patch?: never;
@@ -953,6 +995,8 @@ export interface components {
             ingest: components["schemas"]["Job"];
             /** @description Worker that the ingest requires; absent: any. */
             ingest_requirements: components["schemas"]["WorkerRequirements"];
+            /** @description True if the last ingest made masks of strokes. */
+            masks: boolean;
             /** @description captures/{uuid} */
             name: string;
             /** @description Note written by users, up to 10,000 bytes. */
@@ -963,6 +1007,8 @@ export interface components {
             recorded_by: string;
             /** Format: int64 */
             size_bytes: number;
+            /** @description Files that were added after the upload, one of each kind. */
+            supplements: components["schemas"]["Supplement"][];
             /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags: string[];
             /** @description Verdict of the report, one word; empty until the report exists. */
@@ -2405,6 +2451,17 @@ export interface components {
             /** Format: double */
             total_s: number;
         };
+        /** @description A file that was added to a capture, which ingests read beside the archive. */
+        Supplement: {
+            /** Format: date-time */
+            create_time: string;
+            /** @description BLAKE3 of the file, hex. */
+            digest: string;
+            /** @description `masks`, an archive (ZIP or tar) with a folder `mask`, in place of the recording's own masks; or `calibration`, a JSON document, in place of its own calibration (docs/formats/capture.md). */
+            kind: string;
+            /** Format: int64 */
+            size_bytes: number;
+        };
         /** @description A dense array: nested lists of numbers, in which null stands for what is no finite number, or raw bytes. */
         Tensor: unknown[] | {
             /** @description Base64 of the little-endian, row-major bytes. */
@@ -3139,6 +3196,52 @@ export interface operations {
             };
         };
     };
+    ExportMasks: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description One range of bytes */
+                Range?: string;
+                /** @description The ETag that the range is of */
+                "If-Range"?: string;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": string;
+                };
+            };
+            /** @description The range that was asked for. */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
     ExportObservation: {
         parameters: {
             query?: never;
@@ -3283,6 +3386,133 @@ export interface operations {
                 content: {
                     "text/html": string;
                 };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ExportSupplement: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description One range of bytes */
+                Range?: string;
+                /** @description The ETag that the range is of */
+                "If-Range"?: string;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+                /** @description What the file is */
+                kind: "masks" | "calibration";
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description The range that was asked for. */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    AddSupplement: {
+        parameters: {
+            query?: {
+                /** @description BLAKE3 of the body, hex; checked */
+                digest?: string;
+            };
+            header?: {
+                /** @description BLAKE3 of the body, hex; checked */
+                "X-Content-Blake3"?: string;
+                /** @description blake3=:{base64}:; checked */
+                "Content-Digest"?: string;
+            };
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+                /** @description What the file is */
+                kind: "masks" | "calibration";
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": Record<string, never>;
+                "application/zip": string;
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    DeleteSupplement: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+                /** @description What the file is */
+                kind: "masks" | "calibration";
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
             default: {

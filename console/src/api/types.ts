@@ -7,6 +7,7 @@ export type Fault = Schemas['Fault'];
 export type Progress = Schemas['Progress'];
 export type Job = Schemas['Job'];
 export type Capture = Schemas['Capture'];
+export type Supplement = Schemas['Supplement'];
 export type Fit = Schemas['Fit'];
 export type Twin = Schemas['Twin'];
 export type Worker = Schemas['Worker'];

@@ -1,6 +1,7 @@
 import { Problem } from '../api/client';
 import { ServerLost } from '../api/connection';
 import { h } from './dom';
+import { withGuide } from './guide';
 
 /** An error as people read it: what happened, what to do, and the words by which it is found again. */
 export function problemBox(error: unknown, retry?: () => void): HTMLElement {
@@ -8,7 +9,7 @@ export function problemBox(error: unknown, retry?: () => void): HTMLElement {
   return h(
     'div',
     { class: 'problem', role: 'alert' },
-    h('p', {}, textOf(error)),
+    h('p', {}, withGuide(textOf(error))),
     problem !== null &&
       problem.reason !== '' &&
       h(

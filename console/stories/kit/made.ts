@@ -12,7 +12,12 @@ export function folder(): string {
 
 /** A small simulated capture, as `bendtwin capture make` writes it: an archive or, by its name, a folder. */
 export function makeCapture(path: string, ...options: string[]): string {
-  execFileSync(binary(), ['capture', 'make', ...options, path, '--tiny'], { stdio: 'ignore' });
+  return makeFull(path, ...options, '--tiny');
+}
+
+/** A simulated capture of full size. */
+export function makeFull(path: string, ...options: string[]): string {
+  execFileSync(binary(), ['capture', 'make', ...options, path], { stdio: 'ignore' });
   return path;
 }
 

@@ -3,10 +3,16 @@ import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { problemBox } from '../../ui/problem';
+import { keptSettings } from '../parts/ingest';
 import { readSettings } from '../parts/settings';
 
 /** A form that has a capture read again, with other settings. */
-export function ingestAgain(context: PageContext, path: string, onStart: (capture: Capture) => void): HTMLElement {
+export function ingestAgain(
+  context: PageContext,
+  path: string,
+  latest: () => Capture,
+  onStart: (capture: Capture) => void,
+): HTMLElement {
   const settings = h('textarea', { rows: '3', spellcheck: 'false', class: 'code' });
   const fault = h('div');
   const button = h('button', { type: 'submit' }, 'Read again');
@@ -19,7 +25,7 @@ export function ingestAgain(context: PageContext, path: string, onStart: (captur
     button.disabled = true;
     fault.replaceChildren();
     try {
-      const body = { settings: read.isEmpty ? null : read.value };
+      const body = { settings: { ...keptSettings(latest()), ...read.value } };
       onStart(await context.api.send<Capture>('POST', `${path}/ingest`, body, context.signal));
       details.open = false;
     } catch (error) {
@@ -27,7 +33,7 @@ export function ingestAgain(context: PageContext, path: string, onStart: (captur
     }
     button.disabled = false;
   };
-  const hint = ['One a line, as ', h('code', {}, 'spacing_m = 0.004'), '. Others keep their defaults.'];
+  const hint = ['One a line, as ', h('code', {}, 'spacing_m = 0.004'), '. Others keep their defaults; marks and calibration stay.'];
   const details = h(
     'details',
     { class: 'card' },

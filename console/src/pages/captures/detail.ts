@@ -2,18 +2,24 @@ import { hasEnded, type Capture } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { size, time } from '../../ui/format';
+import { percent, size, time } from '../../ui/format';
+import { guideLink } from '../../ui/guide';
 import { problemBox } from '../../ui/problem';
 import { actionButton, deleteButton, download, faultPlace } from '../parts/actions';
+import { hasPoints } from '../parts/ingest';
 import { JobView, follow } from '../parts/job';
 import { LabelEditor } from '../parts/labels';
 import { settingsView } from '../parts/settings_view';
-import { findingsView } from './findings';
 import { ingestAgain } from './again';
+import { CalibrationCard, inUse } from './calibration';
+import { cameraImages } from './cameras';
+import { findingsView } from './findings';
 import { camerasView, factsView } from './measured';
 import { picturesView } from './pictures';
+import type { Finding, Report } from './report';
 import { fitsOf, twinsOf } from './results';
-import type { Report } from './report';
+import { sourcesView } from './sources';
+import { Supplements } from './supplements';
 
 /** The page of a capture. */
 export const open: OpenPage = async (context) => {
@@ -28,7 +34,10 @@ export const open: OpenPage = async (context) => {
 class CapturePage {
   readonly element: HTMLElement;
   readonly #job = new JobView('Reading of the recording');
+  readonly #images = h('div');
   readonly #report = h('div');
+  readonly #calibration: CalibrationCard;
+  readonly #supplements: Supplements;
   readonly #actions = h('div', { class: 'buttons' });
   readonly #faults = faultPlace();
   readonly #settings = h('div');
@@ -42,6 +51,12 @@ class CapturePage {
     private capture: Capture,
   ) {
     const labels = new LabelEditor<Capture>(context, 'captures', path, capture, (changed) => this.update(changed));
+    const started = (changed: Capture): void => {
+      this.update(changed);
+      void this.follow();
+    };
+    this.#calibration = new CalibrationCard(context, started);
+    this.#supplements = new Supplements(context, id, (changed) => this.update(changed), started);
     this.element = h(
       'div',
       {},
@@ -54,14 +69,14 @@ class CapturePage {
         ['Size', size(capture.size_bytes)],
         ['BLAKE3', h('code', {}, capture.digest.slice(0, 16), '…')],
       ]),
+      this.#images,
       this.#report,
       fitsOf(context, capture.name),
       twinsOf(context, capture.name),
       h('h2', {}, 'More'),
-      ingestAgain(context, path, (changed) => {
-        this.update(changed);
-        void this.follow();
-      }),
+      this.#calibration.element,
+      this.#supplements.element,
+      ingestAgain(context, path, () => this.capture, started),
       this.#settings,
     );
     this.update(capture);
@@ -87,13 +102,16 @@ class CapturePage {
     this.#state = state;
     this.#actions.replaceChildren(...this.actions());
     this.#settings.replaceChildren(settingsView('Settings of the ingest', capture.ingest.settings));
-    if (hasEnded(capture.ingest)) void this.showReport();
+    if (!hasEnded(capture.ingest)) return;
+    void this.showReport();
   }
 
   private actions(): HTMLElement[] {
     const { context, id, path, capture } = this;
     const faults = this.#faults;
-    const isRead = capture.ingest.state === 'SUCCEEDED';
+    const isRead = hasPoints(capture);
+    // Masks alone are there: fits need points.
+    const isMasked = capture.ingest.state === 'SUCCEEDED' && !isRead;
     const cancel = async (): Promise<void> => {
       this.update(await context.api.send<Capture>('POST', `${path}/ingest/cancel`, {}, context.signal));
     };
@@ -104,24 +122,74 @@ class CapturePage {
     return [
       ...(isRead ? [h('a', { class: 'button primary', href: `#/fits/new?capture=${id}` }, 'Start a fit')] : []),
       ...(isRead ? [h('a', { class: 'button', href: `#/captures/${id}/playback` }, 'Play back')] : []),
+      ...(isMasked ? [h('a', { class: 'button primary', href: `#/captures/${id}/masks` }, 'Look at the masks, and use them')] : []),
       ...(hasEnded(capture.ingest) ? [] : [actionButton(context, 'Stop reading', faults, cancel)]),
       download(context, 'Download the recording', `${path}/content`, `${id}.zip`, faults),
       ...(isRead
         ? [download(context, 'Download the observation', `${path}/observation`, `${id}-observation.zip`, faults)]
         : []),
+      ...(capture.masks ? [download(context, 'Download the masks', `${path}/masks`, `${id}-masks.zip`, faults)] : []),
       deleteButton(context, path, question, '#/captures', faults),
     ];
   }
 
+  private async showImages({ kind, cameras }: Report): Promise<void> {
+    if (kind !== 'recording' || cameras.length === 0) return this.#images.replaceChildren();
+    try {
+      const images = await cameraImages(this.context, this.id, this.capture);
+      this.#images.replaceChildren(...(images === null ? [] : [images]));
+    } catch {
+      // The report does not need them.
+      this.#images.replaceChildren();
+    }
+  }
+
+  /** What can be done about a finding here. */
+  private remedy(finding: Finding): HTMLElement | null {
+    if (finding.code === 'MASKS_MISSING') {
+      return h('p', {}, h('a', { class: 'button', href: `#/captures/${this.id}/masks` }, 'Mark the object and the hand'));
+    }
+    if (finding.code === 'NOT_CALIBRATED') {
+      return h('p', {}, h('button', { type: 'button', onclick: () => this.#calibration.focus() }, 'Calibrate with a board'));
+    }
+    if (finding.code === 'CAMERA_OFF' && inUse(this.capture).correct !== true) {
+      return this.#calibration.button(this.capture, 'Apply the correction', { correct: true });
+    }
+    return null;
+  }
+
+  /** Offers the plane that was found in the depth of all cameras, unless it is the ground already. */
+  private groundOffer({ ground_detected: ground }: Report): HTMLElement | null {
+    if (!ground || inUse(this.capture).ground === 'detected') return null;
+    const share = ground.share === undefined ? '' : `, with ${percent(ground.share)} of what they see outside the masks`;
+    return h(
+      'div',
+      { class: 'card' },
+      h('p', {}, `The cameras see a plane${share}. It can be the ground, z = 0. See `, guideLink('ground'), '.'),
+      this.#calibration.button(this.capture, 'Use the detected ground', { ground: 'detected' }),
+    );
+  }
+
   private async showReport(): Promise<void> {
     const { context, id, path } = this;
-    if (!this.capture.verdict) return this.#report.replaceChildren();
+    this.#calibration.element.hidden = true;
+    this.#supplements.element.hidden = false;
+    this.#supplements.show(this.capture);
+    if (!this.capture.verdict) {
+      this.#images.replaceChildren();
+      return this.#report.replaceChildren();
+    }
     try {
       const report = await context.api.json<Report>(`${path}/report`, { signal: context.signal });
+      void this.showImages(report);
+      const lacksPoses = report.findings.some(({ code }) => code === 'NOT_CALIBRATED');
+      if (report.kind === 'recording') this.#calibration.show(this.capture, report.calibration ?? null, lacksPoses);
+      else this.#supplements.element.hidden = true;
       this.#report.replaceChildren(
-        findingsView(report),
+        findingsView(report, (finding) => this.remedy(finding)),
+        ...[this.groundOffer(report)].filter((view) => view !== null),
         factsView(report),
-        ...[camerasView(report.cameras)].filter((view) => view !== null),
+        ...[sourcesView(report.sources), camerasView(report.cameras)].filter((view) => view !== null),
         picturesView(context, id),
         h(
           'p',

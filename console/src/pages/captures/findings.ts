@@ -12,30 +12,30 @@ const VERDICTS: Record<string, string> = {
   unusable: 'This recording cannot be fitted.',
 };
 
+/** What can be done about a finding at once, such as a button. */
+export type Remedy = (finding: Finding) => Child;
+
 /** The verdict in words, and the findings in the order of repair. */
-export function findingsView(report: Report): HTMLElement {
-  const { verdict, first_step, findings, cameras } = report;
+export function findingsView(report: Report, remedy: Remedy): HTMLElement {
+  const { verdict, first_step, findings } = report;
   return h(
     'section',
     { 'aria-label': 'Findings' },
     h('h2', {}, 'Report'),
     h('p', {}, badge(verdict), ' ', VERDICTS[verdict] ?? ''),
     first_step !== null && findings.length > 0 && h('p', {}, h('strong', {}, 'First: '), prose(first_step)),
-    findings.length > 0 &&
-      h(
-        'ol',
-        { class: 'findings' },
-        ...findings.map((finding) =>
-          findingRow(
-            finding,
-            cameras.map((c) => c.name),
-          ),
-        ),
-      ),
+    findingList(report, remedy),
   );
 }
 
-function findingRow(finding: Finding, cameras: readonly string[]): HTMLElement {
+/** The findings in the order of repair; null without any. */
+export function findingList({ findings, cameras }: Report, remedy: Remedy = () => null): HTMLElement | null {
+  if (findings.length === 0) return null;
+  const names = cameras.map(({ name }) => name);
+  return h('ol', { class: 'findings' }, ...findings.map((finding) => findingRow(finding, names, remedy(finding))));
+}
+
+function findingRow(finding: Finding, cameras: readonly string[], remedy: Child): HTMLElement {
   const where: Child[] = [];
   if (finding.cameras && finding.cameras.length > 0) {
     where.push(
@@ -65,6 +65,7 @@ function findingRow(finding: Finding, cameras: readonly string[]): HTMLElement {
       h('strong', {}, prose(finding.message)),
     ),
     h('p', {}, prose(finding.advice)),
+    remedy,
     where.length > 0 && h('ul', { class: 'muted' }, ...where),
     h('p', { class: 'muted' }, h('code', {}, finding.code)),
   );

@@ -8,6 +8,7 @@ import { name, percent, size, time } from '../../ui/format';
 import { list } from '../../ui/list';
 import { refresh } from '../../ui/refresh';
 import { tagLinks } from '../parts/labels';
+import { hasPoints } from '../parts/ingest';
 import { filters } from '../parts/query';
 
 /** Interval at which captures that are being read are refreshed [ms]. */
@@ -60,15 +61,18 @@ export const open: OpenPage = (context) => {
 };
 
 /** The verdict, or how far the reading of it is. */
-function stateOf({ ingest, verdict }: Capture): Child {
+function stateOf(capture: Capture): Child {
+  const { ingest, verdict } = capture;
   if (ingest.state === 'RUNNING') return [badge('reading', 'busy'), ` ${percent(ingest.progress?.fraction ?? 0)}`];
   if (ingest.state === 'QUEUED') return badge('waits', 'neutral');
+  if (ingest.state === 'SUCCEEDED' && !hasPoints(capture)) return badge('masks made', 'warn');
   if (verdict) return [badge(verdict), ingest.state === 'FAILED' && [' ', badge('not read', 'bad')]];
   return badge(ingest.state);
 }
 
 function fitLink(capture: Capture): Child {
   if (capture.verdict === 'unusable' || capture.ingest.state === 'FAILED') return '';
+  if (capture.ingest.settings['until'] === 'masks') return '';
   const query = new URLSearchParams({ capture: idOf(capture.name) });
   return h('a', { href: `#/fits/new?${query}`, 'aria-label': `Fit ${capture.display_name}` }, 'Fit');
 }

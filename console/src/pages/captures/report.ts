@@ -16,12 +16,26 @@ export interface Report {
     readonly lowest_m: number | null;
   } | null;
   readonly cameras: readonly CameraReport[];
+  /** What was taken as what, and what was left out. */
+  readonly sources?: {
+    readonly taken: readonly { readonly part: string; readonly camera: string | null; readonly from: string; readonly form: string }[];
+    readonly left_out: readonly { readonly from: string; readonly because: string }[];
+  } | null;
+  /** The calibration in use, if one was measured or supplied. */
+  readonly calibration?: Calibration | null;
+  /** The largest plane in the depth of all cameras. */
+  readonly ground_detected?: { readonly normal: readonly number[]; readonly offset: number; readonly share?: number } | null;
   readonly observed?: {
     readonly point_count: number;
     readonly control_count: number;
     readonly completed_count: number;
     readonly interior_count: number;
   } | null;
+}
+
+export interface Calibration {
+  readonly source?: string | null;
+  readonly cameras: readonly { readonly name: string; readonly reprojection_px?: number | null }[];
 }
 
 export interface Finding {

@@ -7,6 +7,7 @@ import { field } from '../../ui/form';
 import { moment } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { findCapture } from '../parts/capture';
+import { hasPoints } from '../parts/ingest';
 import { ANY_WORKER } from '../parts/requirements';
 import { faultsByName } from '../parts/settings';
 import { SettingsForm } from './form';
@@ -129,8 +130,10 @@ class NewFit {
 /** The last captures, and the one that was asked for. */
 async function choices(context: PageContext): Promise<Capture[]> {
   const { api, query, signal } = context;
-  const { captures } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
+  const { captures: all } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
   const wanted = query.get('capture');
+  // One that has masks alone has nothing to fit yet.
+  const captures = all.filter((capture) => capture.ingest.state !== 'SUCCEEDED' || hasPoints(capture));
   if (wanted === null || captures.some(({ name }) => idOf(name) === wanted)) return captures;
   const older = await findCapture(context, `captures/${wanted}`);
   return older === null ? captures : [older, ...captures];

@@ -1,6 +1,8 @@
 import { idOf } from '../../api/routes';
+import { hasEnded, type Capture } from '../../api/types';
 import { h } from '../../ui/dom';
 import { cli, command } from '../../ui/empty';
+import { hasPoints } from '../parts/ingest';
 import type { Numbers } from './numbers';
 
 /** Next steps from a recording to a twin that can be moved, while some of them are still to be done. */
@@ -22,14 +24,23 @@ function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
     yield command('bendtwin capture make rope rope.zip --tiny');
     yield command(cli('bendtwin capture push rope.zip'));
   } else if (numbers.fits === 0) {
-    const [newest] = numbers.newestCaptures;
-    const query = newest === undefined ? '' : `?${new URLSearchParams({ capture: idOf(newest.name) })}`;
-    yield h('p', {}, 'Fit a twin to your recording. With the effort “draft” this takes about a minute.');
-    yield h('p', {}, h('a', { class: 'button primary', href: `#/fits/new${query}` }, 'Fit a twin'));
+    yield* fitStep(numbers.newestCaptures[0]);
   }
   const [twin] = numbers.newestTwins;
   if (twin !== undefined && numbers.twins === 1 && !numbers.hasMoreTwins) {
     yield h('p', {}, 'Your first twin is ready: drag its hands, grasp it anywhere, change the world around it.');
     yield h('p', {}, h('a', { class: 'button primary', href: `#/twins/${idOf(twin.name)}/play` }, 'Play with it'));
   }
+}
+
+/** The way from the newest capture to a twin. */
+function* fitStep(newest: Capture | undefined): Generator<HTMLElement> {
+  if (newest !== undefined && hasEnded(newest.ingest) && !hasPoints(newest)) {
+    yield h('p', {}, 'Your newest recording is not ready for a fit: its page says what it lacks, and helps with masks and calibration.');
+    yield h('p', {}, h('a', { class: 'button primary', href: `#/${newest.name}` }, 'To the recording'));
+    return;
+  }
+  const query = newest === undefined ? '' : `?${new URLSearchParams({ capture: idOf(newest.name) })}`;
+  yield h('p', {}, 'Fit a twin to your recording. With the effort “draft” this takes about a minute.');
+  yield h('p', {}, h('a', { class: 'button primary', href: `#/fits/new${query}` }, 'Fit a twin'));
 }

@@ -1,16 +1,15 @@
-import { h, nodes } from '../../ui/dom';
+import { h } from '../../ui/dom';
+import { withGuide } from '../../ui/guide';
 
 /**
- * A text of the server: it may be written in any direction, as may the names in it, and what stands
- * between backticks is code.
+ * A text of the server: it may be written in any direction, as may the names in it, what stands
+ * between backticks is code, and references to the guide are links.
  */
 export function prose(text: string): HTMLElement {
-  const parts = text.split(/`([^`]+)`/);
-  return h(
-    'bdi',
-    {},
-    ...nodes(parts.map((part, index) => (index % 2 === 1 ? h('code', {}, h('bdi', {}, part)) : part))),
-  );
+  return h('bdi', {}, ...withGuide(text, (part) => {
+    const parts = part.split(/`([^`]+)`/);
+    return parts.map((own, index) => (index % 2 === 1 ? h('code', {}, h('bdi', {}, own)) : own));
+  }));
 }
 
 /** A name within a sentence: marks of direction in it end with it. */

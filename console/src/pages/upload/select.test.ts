@@ -39,6 +39,26 @@ describe('the files of a folder that are sent', () => {
     expect(sent([only as Package])[0]?.[1]).toEqual(read);
   });
 
+  test('of a raw case have masks and calibrations in any form', async () => {
+    const read = [
+      'calibration.json',
+      'color/0/0.jpg',
+      'depth/0/0.npy',
+      'json_data/mask_0.json',
+      'mask/0.npz',
+      'mask_data/mask_0.npy',
+      'metadata.json',
+    ];
+    expect(sent(await packagesOf('case', files([...read, 'color/0.mp4', 'notes.docx'])))).toEqual([['case', read]]);
+  });
+
+  test('of a recording that was split are one capture', async () => {
+    const read = ['bag_0.mcap', 'bag_1.mcap.zstd', 'metadata.yaml'];
+    expect(sent(await packagesOf('run', files([...read, 'notes.pdf'])))).toEqual([['run', read]]);
+    const names = ['a.mcap', 'b.mcap'];
+    expect(sent(await packagesOf('run', files(names))).map(([name]) => name)).toEqual(['a', 'b']);
+  });
+
   test('of a processed case leave out the images', async () => {
     const packages = await packagesOf(
       'case',

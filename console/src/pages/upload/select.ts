@@ -18,7 +18,9 @@ export type Package =
     };
 
 /** Files that are a capture each, by their names. */
-const ARCHIVE = /\.(zip|tar|tgz|tar\.gz|mcap)$/i;
+const ARCHIVE = /\.(zip|tar|tgz|tar\.gz|mcap|mcap\.zstd?)$/i;
+/** Files of a recording that `ros2 bag record` split, beside the `metadata.yaml` that lists them. */
+const SPLIT = /^(metadata\.yaml|[^/]*\.mcap(\.zstd?)?)$/i;
 /** Files of kinds that captures have, or that people take for captures. */
 const OF_CAPTURES = /\.(json|pkl|npy|npz|png|jpe?g|csv|c3d|tsv|trc|mp4|avi|mkv|mov|bag|db3|glb|ply|obj|txt\.gz|exr|tiff?)$/i;
 /** Documents that are larger are not looked into [bytes]. */
@@ -91,11 +93,13 @@ function foldersOf(path: string): string[] {
 function captureFolders(paths: readonly string[]): string[] {
   const found = new Set<string>();
   const withColor = new Set(paths.flatMap((path) => /^(?:.*\/)?(?=color\/)/.exec(path) ?? []));
+  const withMcap = new Set(paths.flatMap((path) => /^(?:.*\/)?(?=[^/]*\.mcap(\.zstd?)?$)/i.exec(path)?.[0] ?? []));
   for (const path of paths) {
     const at = path.lastIndexOf('/') + 1;
     const [folder, name] = [path.slice(0, at), path.slice(at)];
     if (['recordings.json', 'capture.json', 'final_data.pkl', 'transforms.json'].includes(name)) found.add(folder);
     if (name === 'metadata.json' && withColor.has(folder)) found.add(folder);
+    if (name === 'metadata.yaml' && withMcap.has(folder)) found.add(folder);
   }
   // In this order a folder follows right after those that it lies in, and after what else lies in them.
   const outermost: string[] = [];
@@ -112,23 +116,20 @@ async function filesRead(files: readonly FolderFile[]): Promise<FolderFile[]> {
   if (has('recordings.json')) return severalRead(files);
   if (has('capture.json')) return named(files, 'capture.json', /^capture\.json$|\.npy$/i);
   if (has('final_data.pkl')) return matching(files, PROCESSED_CASE);
-  if (has('metadata.json')) return matching(files, RAW_CASE);
+  if (has('metadata.json')) return matching(files, RAW_CASE).filter(({ path }) => !BESIDE_RAW_CASE.test(path));
+  if (has('metadata.yaml')) return matching(files, SPLIT);
   if (has('transforms.json')) return named(files, 'transforms.json', /^transforms\.json$/);
   return [...files];
 }
 
 const PROCESSED_CASE = /^(final_data\.pkl|metadata\.json|split\.json|gt_track_3d\.pkl)$/;
-const RAW_CASE = new RegExp(
-  [
-    '^(metadata\\.json|calibrate\\.(pkl|json)|split\\.json|gt_track_3d\\.pkl)$',
-    '^color/.*\\.(png|jpe?g)$',
-    '^depth/.*\\.(npy|png)$',
-    '^mask/.*\\.(png|json)$',
-    '^cotracker/[^/]*\\.npz$',
-    '^shape/(matching/final_mesh|object)\\.glb$',
-  ].join('|'),
-  'i',
-);
+/**
+ * Kinds of files that the readers of raw cases read: masks and calibrations have many forms and places, and the
+ * report names what was left out.
+ */
+const RAW_CASE = /\.(json|pkl|png|jpe?g|np[yz]|glb|ya?ml|xml|parquet)$/i;
+/** What lies in PhysTwin's raw cases beside what is read. */
+const BESIDE_RAW_CASE = /^(pcd\/|shape\/(?!(matching\/final_mesh|object)\.glb$))/i;
 
 function matching(files: readonly FolderFile[], pattern: RegExp): FolderFile[] {
   return files.filter(({ path }) => pattern.test(path));

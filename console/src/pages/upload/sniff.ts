@@ -9,12 +9,13 @@ export async function contentOf(file: File): Promise<Content> {
   return MARKS.some(([at, mark]) => mark.every((byte, index) => bytes[at + index] === byte)) ? 'capture' : 'other';
 }
 
-/** ZIP, gzip, tar and MCAP: where their mark lies, and its bytes. */
+/** ZIP, gzip, tar, MCAP and Zstandard: where their mark lies, and its bytes. */
 const MARKS: readonly (readonly [number, readonly number[]])[] = [
   [0, [0x50, 0x4b, 0x03, 0x04]],
   [0, [0x1f, 0x8b]],
   [257, [0x75, 0x73, 0x74, 0x61, 0x72]],
   [0, [0x89, 0x4d, 0x43, 0x41, 0x50]],
+  [0, [0x28, 0xb5, 0x2f, 0xfd]],
 ];
 
 /** A twin is a safetensors file: the length of its JSON header, then the header. */

@@ -2,7 +2,7 @@ import { Blocks } from '../file/blocks';
 import type { CameraHead } from '../file/head';
 import type { Read } from '../file/motion';
 
-/** Images that one request is for. */
+/** Images that one request is for, unless it is said otherwise. */
 const TOGETHER = 8;
 /** Blocks of images that are kept decoded: 96 images of 424 x 240 pixels take 39 MB. */
 const KEPT = 12;
@@ -16,17 +16,18 @@ export class Images {
     private readonly camera: CameraHead,
     read: Read,
     decode: (file: Blob) => Promise<ImageBitmap> = createImageBitmap,
+    private readonly together = TOGETHER,
   ) {
     const { lengths, bytes } = camera.images;
     let at = 0;
     this.#starts = [0, ...lengths.map((length) => (at += length))];
     const starts = this.#starts;
     this.#blocks = new Blocks(
-      TOGETHER,
+      together,
       KEPT,
       async (block) => {
-        const first = block * TOGETHER;
-        const end = Math.min(first + TOGETHER, lengths.length);
+        const first = block * together;
+        const end = Math.min(first + together, lengths.length);
         const from = starts[first]!;
         const files = await read([bytes[0] + from, starts[end]! - from]);
         return Promise.all(
@@ -55,7 +56,7 @@ export class Images {
     const index = this.indexAt(frame);
     if (index === null) return null;
     const block = this.#blocks.peek(index);
-    return block === undefined ? undefined : (block[index % TOGETHER] ?? null);
+    return block === undefined ? undefined : (block[index % this.together] ?? null);
   }
 
   /** Loads the image of a frame, and begins to load those after it. */
@@ -63,8 +64,9 @@ export class Images {
     const index = this.indexAt(frame);
     if (index === null) return;
     await this.#blocks.get(index);
-    const next = (Math.floor(index / TOGETHER) + 1) * TOGETHER;
-    if (next < this.camera.images.lengths.length) void this.#blocks.get(next).catch(() => undefined);
+    const next = (Math.floor(index / this.together) + 1) * this.together;
+    // One that is asked for by itself is of a strip, whose next one is another.
+    if (this.together > 1 && next < this.camera.images.lengths.length) void this.#blocks.get(next).catch(() => undefined);
   }
 
   dispose(): void {

@@ -67,6 +67,15 @@ describe('a playback', () => {
     expect(() => read({ fps: 0 })).toThrow('without frames');
     const images = { size: [1, 1], every: 1, lengths: [5, 6], bytes: [0, 12] } as const;
     expect(() => read({ cameras: [camera({ images })] })).toThrow('12 bytes of images in place of 11');
+    const one = { images: { size: [1, 1], every: 1, lengths: [6], bytes: [0, 6] } } as const;
+    const masks = { lengths: [2], bytes: [6, 2] } as const;
+    expect(read({ cameras: [camera({ ...one, masks, doubt: [0, null] })] })).toBeDefined();
+    expect(() => read({ cameras: [camera({ ...one, masks: { ...masks, lengths: [3] } })] })).toThrow('bytes of masks');
+    const several = { lengths: [1, 1], bytes: [6, 2] } as const;
+    expect(() => read({ cameras: [camera({ ...one, masks: several })] })).toThrow('2 lengths of masks in place of 1');
+    expect(() => read({ cameras: [camera({ ...one, doubt: [0] })] })).toThrow('1 values of doubt in place of 2');
+    // Without a calibration there are no poses.
+    expect(read({ cameras: [camera({ ...one, poses: [0, 0] })] })).toBeDefined();
     expect(() => readHead(new TextEncoder().encode('{}'))).toThrow('no sequences');
   });
 

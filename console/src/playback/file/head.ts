@@ -23,7 +23,7 @@ export interface CameraHead {
   readonly size: readonly [number, number];
   readonly intrinsics: { readonly fx: number; readonly fy: number; readonly cx: number; readonly cy: number };
   readonly distortion: { readonly model: string; readonly coefficients: readonly number[] };
-  /** float32 [1 or K, 3, 4] */
+  /** float32 [1 or K, 3, 4]; empty if the camera is not calibrated. */
   readonly poses: Range;
   readonly images: {
     readonly size: readonly [number, number];
@@ -32,6 +32,10 @@ export interface CameraHead {
     readonly lengths: readonly number[];
     readonly bytes: Range;
   };
+  /** Run lengths of the masks of each image, if there are masks. */
+  readonly masks?: { readonly lengths: readonly number[]; readonly bytes: Range } | null;
+  /** Doubt in the masks of each frame, 0..=1; null where there is none. Only of masks that strokes made. */
+  readonly doubt?: readonly (number | null)[] | null;
 }
 
 export interface SequenceHead {
@@ -82,20 +86,26 @@ function check(sequence: SequenceHead): void {
   const { frame_count: frames, motion } = sequence;
   const { point_count: points, control_count: controls } = motion;
   const wanted: [string, number, number][] = [
-    ['points', motion.points[1], 6 * frames * points],
-    ['visible', motion.visible[1], frames * Math.ceil(points / 8)],
-    ['controls', motion.controls[1], 6 * frames * controls],
-    ['colors', motion.colors?.[1] ?? 3 * points, 3 * points],
+    ['bytes of points', motion.points[1], 6 * frames * points],
+    ['bytes of visible', motion.visible[1], frames * Math.ceil(points / 8)],
+    ['bytes of controls', motion.controls[1], 6 * frames * controls],
+    ['bytes of colors', motion.colors?.[1] ?? 3 * points, 3 * points],
   ];
-  for (const { images, poses } of sequence.cameras) {
-    wanted.push(['images', images.bytes[1], images.lengths.reduce((sum, length) => sum + length, 0)]);
-    // One that stands has one pose.
-    if (poses[1] !== 48) wanted.push(['poses', poses[1], 48 * images.lengths.length]);
+  const sum = (lengths: readonly number[]): number => lengths.reduce((all, length) => all + length, 0);
+  for (const { images, poses, masks, doubt } of sequence.cameras) {
+    wanted.push(['bytes of images', images.bytes[1], sum(images.lengths)]);
+    if (masks) {
+      wanted.push(['bytes of masks', masks.bytes[1], sum(masks.lengths)]);
+      wanted.push(['lengths of masks', masks.lengths.length, images.lengths.length]);
+    }
+    if (doubt) wanted.push(['values of doubt', doubt.length, frames]);
+    // One that stands has one pose, one that is not calibrated none.
+    if (poses[1] !== 48 && poses[1] !== 0) wanted.push(['bytes of poses', poses[1], 48 * images.lengths.length]);
     if (!(images.every >= 1)) throw new Error('the playback has images of no frames');
   }
   if (!(frames >= 1 && sequence.fps > 0)) throw new Error('the playback has a sequence without frames');
   const wrong = wanted.find(([, there, expected]) => there !== expected);
   if (wrong !== undefined) {
-    throw new Error(`the playback has ${wrong[1]} bytes of ${wrong[0]} in place of ${wrong[2]}`);
+    throw new Error(`the playback has ${wrong[1]} ${wrong[0]} in place of ${wrong[2]}`);
   }
 }

@@ -1,0 +1,86 @@
+import { Blocks } from '../playback/file/blocks';
+import type { CameraHead } from '../playback/file/head';
+import type { Read } from '../playback/file/motion';
+
+/** Labels of pixels, by their numbers in a playback. */
+export const OBJECT = 1;
+export const HAND = 2;
+
+/** Images whose masks one request is for. */
+const TOGETHER = 16;
+/** Blocks of masks that are kept: of images of 424 x 240 pixels they take 20 MB. */
+const KEPT = 12;
+
+/**
+ * Labels of the pixels of an image, row by row, from the run lengths of a playback: each run is a
+ * number `length * 4 + label` in unsigned LEB128. What the runs do not reach has no label; throws if
+ * they reach further.
+ */
+export function readLabels(runs: Uint8Array, pixels: number): Uint8Array {
+  const labels = new Uint8Array(pixels);
+  let at = 0;
+  let value = 0;
+  let factor = 1;
+  for (const byte of runs) {
+    value += (byte & 127) * factor;
+    factor *= 128;
+    if (byte > 127) continue;
+    const end = at + Math.floor(value / 4);
+    if (end > pixels) throw new Error('the masks of an image are larger than it');
+    labels.fill(value % 4, at, end);
+    at = end;
+    value = 0;
+    factor = 1;
+  }
+  return labels;
+}
+
+/** Masks of a camera, fetched on demand. */
+export class Masks {
+  readonly #starts: readonly number[];
+  readonly #blocks: Blocks<(Uint8Array | null)[]>;
+
+  constructor(
+    private readonly camera: CameraHead,
+    read: Read,
+  ) {
+    const { lengths, bytes } = camera.masks ?? { lengths: [], bytes: [0, 0] };
+    let at = 0;
+    const starts = (this.#starts = [0, ...lengths.map((length) => (at += length))]);
+    const [columns, rows] = camera.images.size;
+    this.#blocks = new Blocks(TOGETHER, KEPT, async (block) => {
+      const first = block * TOGETHER;
+      const end = Math.min(first + TOGETHER, lengths.length);
+      const from = starts[first]!;
+      const runs = await read([bytes[0] + from, starts[end]! - from]);
+      return lengths.slice(first, end).map((length, i) => {
+        const start = starts[first + i]! - from;
+        return length === 0 ? null : readLabels(runs.subarray(start, start + length), columns * rows);
+      });
+    });
+  }
+
+  /** True if the camera has masks. */
+  get isThere(): boolean {
+    return this.#starts.length > 1;
+  }
+
+  /** Labels of the image of a frame: undefined while they are not here, null if there are none. */
+  at(frame: number): Uint8Array | null | undefined {
+    const index = this.#indexOf(frame);
+    if (index === null) return null;
+    const block = this.#blocks.peek(index);
+    return block === undefined ? undefined : (block[index % TOGETHER] ?? null);
+  }
+
+  /** Loads the masks of a frame. */
+  async load(frame: number): Promise<void> {
+    const index = this.#indexOf(frame);
+    if (index !== null) await this.#blocks.get(index);
+  }
+
+  #indexOf(frame: number): number | null {
+    const index = Math.min(Math.floor(frame / this.camera.images.every), this.#starts.length - 2);
+    return index >= 0 ? index : null;
+  }
+}
