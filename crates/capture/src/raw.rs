@@ -40,7 +40,7 @@ pub use self::{
     mask_set::MaskSet,
     nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
-    supplement::Supplements,
+    supplement::{Supplements, file_in},
 };
 use crate::{
     Error, Limits, Sources,

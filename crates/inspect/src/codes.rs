@@ -165,6 +165,9 @@ codes! {
     FramesDropped "FRAMES_DROPPED",
         "frames are missing",
         "record to a faster disk or fewer pixels; fewer USB cameras on one controller (docs/use/cameras.md#time)";
+    CameraRateUnclear "CAMERA_RATE_UNCLEAR",
+        "a camera has as many images as one of a lower rate, without gaps between them",
+        "give the cameras' rates, as in \"fps\": [30, 15, 30], or number its images by the frame (docs/use/cameras.md#time)";
     CameraSlower "CAMERA_SLOWER",
         "a camera records at a lower rate than the others",
         "nothing: the other cameras show what happens between its frames (docs/use/cameras.md#time)";

@@ -6,6 +6,7 @@ use bendtwin_capture::{
 };
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::{Code, Finding, Verdict, alike, consequences, finding, picture_inputs::PictureInputs};
 
@@ -39,6 +40,13 @@ pub struct Inspection {
     /// What was taken as what, and what was left out.
     #[serde(default)]
     pub sources: Sources,
+    /// The calibration in use as its document (docs/formats/capture.md, section 14), if it is not the
+    /// recording's own.
+    #[serde(default)]
+    pub calibration: Option<Value>,
+    /// A ground that depth shows, where the recording states none or another one.
+    #[serde(default)]
+    pub ground_detected: Option<DetectedGround>,
     /// The scene as a whole.
     pub scene: Scene,
     /// The cameras of a recording.
@@ -53,6 +61,17 @@ pub struct Inspection {
     /// Material for pictures; not part of the document.
     #[serde(skip)]
     pub(crate) picture_inputs: PictureInputs,
+}
+
+/// A plane that the cameras see, and that things may lie on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DetectedGround {
+    /// Unit normal, towards the cameras.
+    pub normal: Point,
+    /// Distance from the origin along the normal [m].
+    pub offset_m: f32,
+    /// Share of what is seen outside the masks that lies on it, 0..=1.
+    pub share: f64,
 }
 
 /// Size, height, motion and contact; absent where they could not be measured.
@@ -197,6 +216,8 @@ impl Inspection {
             verdict: Verdict::Good,
             findings: Vec::new(),
             sources: Sources::default(),
+            calibration: None,
+            ground_detected: None,
             scene: Scene::default(),
             cameras: Vec::new(),
             pairs: Vec::new(),

@@ -34,7 +34,8 @@ pub use self::{
     finding::Verdict,
     inspect::inspect,
     inspection::{
-        Agreement, CameraReport, Inspection, Kind, ObservedReport, PairReport, Scene, TrackReport,
+        Agreement, CameraReport, DetectedGround, Inspection, Kind, ObservedReport, PairReport,
+        Scene, TrackReport,
     },
     observed::inspect_observed,
     report::{FORMAT, Lifted, Report, VERSION},

@@ -70,6 +70,26 @@ const INNER: Other = Other {
     what: "an archive in the place of a capture's files",
     advice: "unpack the outer folder or archive, and send this one by itself",
 };
+const LFS: Other = Other {
+    what: "a Git LFS pointer, not the file itself",
+    advice: "run `git lfs pull` in the repository that it comes from, and send it again",
+};
+const HTML: Other = Other {
+    what: "an HTML page, not the file that its name says",
+    advice: "the download was answered with a page (a login, a quota, a preview): open it in a browser, and download \
+             the file itself",
+};
+const PICKLE: Other = Other {
+    what: "a pickle by itself",
+    advice: "send the folder of a PhysTwin case whole; of motion capture, as DEFORM's data has it, write an .npz and its \
+             .json with the lines of docs/formats/capture.md, section 3",
+};
+const HDF5: Other = Other {
+    what: "an HDF5 file",
+    advice: "write its images as PNG into folders (docs/formats/capture.md, section 6), or its points with \
+             `client.upload_motion` of the Python client",
+};
+
 /// First bytes of formats.
 const STARTS: &[(&[u8], &Other)] = &[
     (b"SQLite format 3\0", &ROS2_DATABASE),

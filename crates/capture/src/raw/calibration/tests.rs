@@ -43,6 +43,7 @@ fn recording(cameras: Vec<Camera>) -> Recording {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: crate::Sources::default(),
         source: Arc::new(Nothing),

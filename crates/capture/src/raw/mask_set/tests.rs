@@ -1,5 +1,9 @@
 use super::*;
-use crate::raw::testing::{self, HEIGHT, WIDTH};
+use crate::{
+    Limits,
+    files::Files,
+    raw::testing::{self, HEIGHT, WIDTH},
+};
 
 fn painted(seed: usize) -> Image<Option<Region>> {
     let pixel = |i: usize| match (i * 7 + seed) / 5 % 3 {

@@ -118,7 +118,7 @@ impl Edge {
     /// Between the samples before and after, at the ends as the nearest one.
     fn at(&self, ns: i64) -> Pose {
         if let Some(fixed) = &self.fixed {
-            return Pose { rotation: rotation(fixed.rotation), translation: fixed.translation };
+            return Pose::from_quaternion(fixed.rotation, fixed.translation);
         }
         let after = self.samples.partition_point(|sample| sample.stamp_ns < ns);
         let last = self.samples.len().saturating_sub(1);
@@ -136,26 +136,13 @@ impl Edge {
         let dot: f64 = a.rotation.iter().zip(&b.rotation).map(|(a, b)| a * b).sum();
         let sign = if dot < 0.0 { -1.0 } else { 1.0 };
         let q = std::array::from_fn(|i| mix(a.rotation[i], sign * b.rotation[i]));
-        Pose {
-            rotation: rotation(q),
-            translation: std::array::from_fn(|i| mix(a.translation[i], b.translation[i])),
-        }
+        let translation = std::array::from_fn(|i| mix(a.translation[i], b.translation[i]));
+        Pose::from_quaternion(q, translation)
     }
 }
 
 const IDENTITY: Pose =
     Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
-
-/// The rotation of a quaternion x, y, z, w of any length; not a number where it has none.
-fn rotation(q: [f64; 4]) -> [[f64; 3]; 3] {
-    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let [x, y, z, w] = q.map(|c| c / length);
-    [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-}
 
 /// `b` first.
 fn compose(a: &Pose, b: &Pose) -> Pose {

@@ -1,7 +1,7 @@
 //! Cases without a calibration, and with a `calibration.json`.
 
 use super::*;
-use crate::raw::{CALIBRATION_FILE, Calibration};
+use crate::raw::{CALIBRATION_FILE, Calibration, Pose};
 
 type Case = std::collections::BTreeMap<String, Vec<u8>>;
 
