@@ -184,7 +184,7 @@ export interface paths {
         };
         /**
          * Download the masks of a capture
-         * @description Masks that the last ingest made of the strokes in its settings, in the layout of a raw PhysTwin case, with `mask/following.json` beside them (docs/formats/capture.md). Reason `MASKS_MISSING` if there are none.
+         * @description Masks that the last ingest made of the strokes in its settings, in the layout of a raw PhysTwin case, with `mask/following.json` beside them (docs/formats/capture.md). Reason `CAPTURE_HAS_NO_MASKS` if there are none.
          */
         get: operations["ExportMasks"];
         put?: never;

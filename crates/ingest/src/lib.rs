@@ -78,7 +78,7 @@ impl Observed {
     pub fn points(self) -> Result<Capture, Fault> {
         self.capture?.ok_or_else(|| Fault {
             category: Category::FailedPrecondition,
-            reason: "CAPTURE_HAS_NO_POINTS".to_owned(),
+            reason: "CAPTURE_NOT_LIFTED".to_owned(),
             message: "its ingest ended with masks: run it again up to points".to_owned(),
         })
     }

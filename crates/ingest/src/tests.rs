@@ -19,7 +19,7 @@ fn an_ingest_may_end_with_masks() {
     let made = ingested(&recording, &settings);
     assert!(matches!(made.capture, Ok(None)));
     assert!(made.recorded.iter().flatten().next().is_some());
-    assert_eq!(made.points().unwrap_err().reason, "CAPTURE_HAS_NO_POINTS");
+    assert_eq!(made.points().unwrap_err().reason, "CAPTURE_NOT_LIFTED");
 }
 
 #[test]

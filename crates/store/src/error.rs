@@ -33,7 +33,7 @@ pub enum Error {
         "{name} has no masks of strokes: mark the object and run the ingest with the strokes \
          (docs/use/cameras.md#masks)"
     )]
-    #[problem(NotFound, "MASKS_MISSING")]
+    #[problem(NotFound, "CAPTURE_HAS_NO_MASKS")]
     MasksMissing { name: String },
     #[error(
         "request id `{request_id}` was used before for {name}, with other content: \
@@ -59,7 +59,7 @@ pub enum Error {
     #[problem(FailedPrecondition, "INGEST_UNDER_WAY")]
     IngestUnderWay { name: String },
     #[error("{name} has masks but no points: run its ingest up to points, then fit")]
-    #[problem(FailedPrecondition, "CAPTURE_HAS_NO_POINTS")]
+    #[problem(FailedPrecondition, "CAPTURE_NOT_LIFTED")]
     CaptureHasNoPoints { name: CaptureId },
     #[error("{fit} is running: cancel it first")]
     #[problem(FailedPrecondition, "FIT_RUNNING")]

@@ -33,7 +33,7 @@ async fn an_ingest_that_ends_with_masks_is_a_success_without_points() {
     worker.observe(&lease).await.unwrap();
     let path = format!("/v1/{capture}/masks");
     let (status, problem) = server.get(&path).await;
-    assert_eq!((status, &problem["reason"]), (404, &json!("MASKS_MISSING")), "{problem}");
+    assert_eq!((status, &problem["reason"]), (404, &json!("CAPTURE_HAS_NO_MASKS")), "{problem}");
 
     let stroke = json!({"part": "object", "camera": 0, "points": [[120, 88]]});
     let settings = |until: &str| json!({"settings": {"until": until, "strokes": [stroke]}});
@@ -74,9 +74,9 @@ async fn an_ingest_that_ends_with_masks_is_a_success_without_points() {
 
     let (_, waiting) = server.get(&format!("/v1/{}", waiting["name"].as_str().unwrap())).await;
     assert_eq!(waiting["job"]["state"], "FAILED");
-    assert_eq!(waiting["job"]["fault"]["reason"], "CAPTURE_HAS_NO_POINTS");
+    assert_eq!(waiting["job"]["fault"]["reason"], "CAPTURE_NOT_LIFTED");
     let (status, problem) = server.post("/v1/fits", json!({"capture": capture})).await;
-    assert_eq!((status, &problem["reason"]), (409, &json!("CAPTURE_HAS_NO_POINTS")), "{problem}");
+    assert_eq!((status, &problem["reason"]), (409, &json!("CAPTURE_NOT_LIFTED")), "{problem}");
 
     server.post(&ingest, settings("points")).await;
     let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();

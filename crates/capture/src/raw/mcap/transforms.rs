@@ -90,9 +90,9 @@ impl Tree {
 
     /// Pose of a frame in one above it at a time.
     pub(super) fn pose(&self, frame: &str, world: &str, ns: i64) -> Pose {
-        let mut pose = IDENTITY;
+        let mut pose = Pose::IDENTITY;
         for edge in self.between(frame, world) {
-            pose = compose(&edge.at(ns), &pose);
+            pose = edge.at(ns).after(&pose);
         }
         pose
     }
@@ -123,7 +123,7 @@ impl Edge {
         let after = self.samples.partition_point(|sample| sample.stamp_ns < ns);
         let last = self.samples.len().saturating_sub(1);
         let pair = (self.samples.get(after.saturating_sub(1)), self.samples.get(after.min(last)));
-        let (Some(a), Some(b)) = pair else { return IDENTITY };
+        let (Some(a), Some(b)) = pair else { return Pose::IDENTITY };
         let span = b.stamp_ns.saturating_sub(a.stamp_ns);
         let share = if span > 0 {
             (ns.saturating_sub(a.stamp_ns) as f64 / span as f64).clamp(0.0, 1.0)
@@ -138,19 +138,5 @@ impl Edge {
         let q = std::array::from_fn(|i| mix(a.rotation[i], sign * b.rotation[i]));
         let translation = std::array::from_fn(|i| mix(a.translation[i], b.translation[i]));
         Pose::from_quaternion(q, translation)
-    }
-}
-
-const IDENTITY: Pose =
-    Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
-
-/// `b` first.
-fn compose(a: &Pose, b: &Pose) -> Pose {
-    let r = &a.rotation;
-    let dot = |i: usize, v: [f64; 3]| r[i][0] * v[0] + r[i][1] * v[1] + r[i][2] * v[2];
-    let column = |j: usize| b.rotation.map(|row| row[j]);
-    Pose {
-        rotation: std::array::from_fn(|i| std::array::from_fn(|j| dot(i, column(j)))),
-        translation: std::array::from_fn(|i| dot(i, b.translation) + a.translation[i]),
     }
 }

@@ -140,7 +140,7 @@ async fn masks_alone_are_a_success_without_anything_to_fit(on: On) {
     let capture = bench.fresh_capture("a").await;
     let (jobs, captures) = (bench.store.jobs(), bench.store.captures());
     let missing = captures.masks_content(capture.id).await.err().unwrap();
-    assert_eq!((missing.category(), missing.reason()), (Category::NotFound, "MASKS_MISSING"));
+    assert_eq!((missing.category(), missing.reason()), (Category::NotFound, "CAPTURE_HAS_NO_MASKS"));
     observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
 
     jobs.create_ingest(again(&capture)).await.unwrap();
@@ -163,11 +163,11 @@ async fn masks_alone_are_a_success_without_anything_to_fit(on: On) {
     assert!(matches!(none, Err(Error::NotFound { .. })));
     let waiting = jobs.get(waiting.id).await.unwrap();
     let reason = waiting.fault.unwrap().reason;
-    assert_eq!((waiting.state, reason.as_str()), (State::Failed, "CAPTURE_HAS_NO_POINTS"));
+    assert_eq!((waiting.state, reason.as_str()), (State::Failed, "CAPTURE_NOT_LIFTED"));
     let early = jobs.create_fit(new_fit(&capture)).await.unwrap_err();
     assert_eq!(
         (early.category(), early.reason()),
-        (Category::FailedPrecondition, "CAPTURE_HAS_NO_POINTS")
+        (Category::FailedPrecondition, "CAPTURE_NOT_LIFTED")
     );
     // The archive, masks, playback, a document and a page.
     assert_eq!(bench.blob_count().await, 5);
