@@ -29,6 +29,14 @@ pub(crate) struct Stored {
     pub(crate) fate: Fate,
     /// True for a file that means harm, whose job may end anyhow.
     pub(crate) is_hostile: bool,
+    /// Number of the archive that was added to it.
+    pub(crate) supplement: Option<usize>,
+}
+
+impl Stored {
+    fn new(digest: &str, is_hostile: bool) -> Self {
+        Self { digest: digest.to_owned(), fate: Fate::Kept, is_hostile, supplement: None }
+    }
 }
 
 /// A fit.
@@ -86,15 +94,21 @@ impl Ledger {
     /// A capture was acknowledged.
     pub(crate) fn capture(&self, name: &str, digest: &str, is_hostile: bool) {
         self.line(format_args!("{name} {digest} hostile={is_hostile}"));
-        let stored = Stored { digest: digest.to_owned(), fate: Fate::Kept, is_hostile };
-        self.things().captures.insert(name.to_owned(), stored);
+        self.things().captures.insert(name.to_owned(), Stored::new(digest, is_hostile));
+    }
+
+    /// A file that was added to a capture was acknowledged.
+    pub(crate) fn supplement(&self, name: &str, archive: usize) {
+        self.line(format_args!("{name} supplement={archive}"));
+        if let Some(stored) = self.things().captures.get_mut(name) {
+            stored.supplement = Some(archive);
+        }
     }
 
     /// An imported twin was acknowledged.
     pub(crate) fn twin(&self, name: &str, digest: &str, is_hostile: bool) {
         self.line(format_args!("{name} {digest} hostile={is_hostile}"));
-        let stored = Stored { digest: digest.to_owned(), fate: Fate::Kept, is_hostile };
-        self.things().twins.insert(name.to_owned(), stored);
+        self.things().twins.insert(name.to_owned(), Stored::new(digest, is_hostile));
     }
 
     /// A fit was acknowledged.

@@ -99,8 +99,13 @@ impl Run {
 
     /// Content over HTTP.
     pub(crate) async fn content(&self, name: &str) -> Option<Bytes> {
+        self.part(name, "content").await
+    }
+
+    /// A part of a resource.
+    pub(crate) async fn part(&self, name: &str, part: &str) -> Option<Bytes> {
         let http = self.http();
-        let path = format!("/v1/{name}/content");
+        let path = format!("/v1/{name}/{part}");
         let download =
             async || -> Answer<Bytes> { Ok(send(http.request(Method::GET, &path)).await?.1) };
         self.expect("a download", download).await

@@ -5,4 +5,5 @@ mod broken_captures;
 mod ingests;
 mod resumable;
 pub(crate) mod several_recordings;
+mod supplements;
 mod uploads;

@@ -18,6 +18,13 @@ pub(super) async fn captures(run: &Run, listed: &Listed) {
     for (name, stored) in &known {
         let digest = listed.captures.get(name).map(|capture| capture.digest.as_str());
         compare(run, name, stored, digest).await;
+        if let (Fate::Kept, Some(archive)) = (stored.fate, stored.supplement) {
+            let content = run.part(name, "supplements/masks").await;
+            if content.is_none_or(|content| content != run.references.archives[archive].content) {
+                run.tally.broken(LOST, format_args!("{name} has another supplement"));
+            }
+            run.tally.count("checked: supplements");
+        }
     }
     for (name, capture) in &listed.captures {
         // Of a hostile capture the answer may have been lost; it is not asked for again.

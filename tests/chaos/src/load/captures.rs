@@ -1,11 +1,12 @@
-//! A client that uploads captures, downloads them, repeats requests and deletes.
+//! A client that uploads captures, downloads them, adds files to them, repeats requests and deletes.
 
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
 use rand::RngExt as _;
+use reqwest::Method;
 use tokio::time::sleep;
 
-use crate::run::Run;
+use crate::{honest::send, run::Run};
 
 /// Most captures that a client keeps.
 const KEPT: usize = 40;
@@ -40,6 +41,9 @@ pub(super) async fn client(run: Arc<Run>, number: u64) {
                 run.tally.broken("content is what was stored", name);
             }
         }
+        if random.random_bool(0.3) {
+            add(&run, name, *archive).await;
+        }
         if mine.len() > KEPT || random.random_bool(0.3) {
             let gone = random.random_range(0..mine.len());
             if let Some((name, _)) = mine.remove(gone) {
@@ -47,5 +51,29 @@ pub(super) async fn client(run: Arc<Run>, number: u64) {
             }
         }
         sleep(Duration::from_millis(random.random_range(300..1200))).await;
+    }
+}
+
+/// Adds an archive to a capture, always the same one, unless it is being read.
+async fn add(run: &Run, name: &str, archive: usize) {
+    let content = &run.references.archives[archive].content;
+    let path = format!("/v1/{name}/supplements/masks");
+    let added = run.insist("a supplement", async || {
+        let request = run.http().request(Method::PUT, &path).body(content.clone());
+        send(request).await.map(drop)
+    });
+    match added.await {
+        Some(Ok(())) => {
+            run.ledger.supplement(name, archive);
+            run.tally.count("acknowledged: supplements");
+        }
+        Some(Err(refusal)) if refusal.is("INGEST_UNDER_WAY") => {
+            run.tally.count("honest calls: supplements that came too early");
+        }
+        Some(Err(refusal)) => {
+            let case = format_args!("a supplement of {name}: {refusal:?}");
+            run.tally.broken("honest calls are not refused", case);
+        }
+        None => {}
     }
 }
