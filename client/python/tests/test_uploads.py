@@ -255,3 +255,33 @@ def test_what_a_push_cannot_mend_is_an_error(server, archive, tmp_path):
     with pytest.raises(BendTwinError) as unreachable:
         nobody.send()
     assert unreachable.value.category is Category.UNAVAILABLE
+
+
+def test_files_are_added_later_and_survive_the_death_of_the_server(server, archive, tmp_path):
+    mask = tmp_path / "case" / "mask" / "0" / "object"
+    mask.mkdir(parents=True)
+    (mask / "0.png").write_bytes(b"png")
+    with Client(server.address) as client:
+        capture = client.push_capture(archive).name
+        with pytest.raises(BendTwinError, match="under way") as early:
+            client.add_masks(capture, tmp_path / "case")
+        assert early.value.reason == "INGEST_UNDER_WAY"
+        client.cancel_ingest(capture)
+        client.add_masks(capture, tmp_path / "case")
+        with pytest.raises(BendTwinError, match="capture calibrate"):
+            client.add_calibration(capture, b"cam0: {}")
+        client.add_calibration(
+            capture, {"format": "bendtwin-calibration", "version": 1, "cameras": []}
+        )
+    server.kill()
+    server.start()
+    with Client(server.address) as client:
+        assert [s.kind for s in client.capture(capture).supplements] == ["masks", "calibration"]
+        client.download_supplement(capture, "masks", tmp_path / "masks.zip")
+        with zipfile.ZipFile(tmp_path / "masks.zip") as packed:
+            assert packed.namelist() == ["mask/0/object/0.png"]
+        client.delete_supplement(capture, "masks")
+        assert [s.kind for s in client.capture(capture).supplements] == ["calibration"]
+        with pytest.raises(BendTwinError) as missing:
+            client.download_masks(capture, tmp_path / "none.zip")
+        assert missing.value.reason == "MASKS_MISSING"

@@ -58,7 +58,7 @@ impl Captures {
     /// Writes a file that was added to a capture to a file.
     ///
     /// # Errors
-    /// If there is none of the kind, the file cannot be written, or the server cannot be asked.
+    /// If the capture lacks the kind, the file cannot be written, or the server cannot be asked.
     pub async fn export_supplement(
         &self,
         name: CaptureId,
@@ -73,7 +73,7 @@ impl Captures {
     /// Removes a file that was added to a capture.
     ///
     /// # Errors
-    /// If there is none of the kind, an ingest or a fit of the capture is queued or running, or the
+    /// If the capture lacks the kind, an ingest or a fit of the capture is queued or running, or the
     /// server cannot be asked.
     pub async fn delete_supplement(
         &self,

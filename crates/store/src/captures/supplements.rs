@@ -1,5 +1,5 @@
 //! Supplements: files that were added to captures after their upload, one of each kind. The next
-//! ingest reads them beside the archive, which stays as it is.
+//! ingest reads them beside the archive, which does not change.
 
 use std::{fmt, str::FromStr};
 
@@ -146,9 +146,9 @@ impl Captures<'_> {
         self.store.blobs().read(&supplement.digest, Some(supplement.size_bytes), &name).await
     }
 
-    /// Refuses a supplement before its content is received, if it would be refused afterwards
-    /// whatever it is. While a job of the capture is under way, only a repetition may succeed: of
-    /// content that is stored already.
+    /// Refuses a supplement before its content is received, if any content would be refused. While a
+    /// job of the capture is under way, only a repetition may succeed: of content that is stored
+    /// already.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::IngestUnderWay`], [`Error::CaptureInUse`], [`Error::DiskFull`].

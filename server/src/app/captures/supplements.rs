@@ -1,6 +1,6 @@
 //! Files that are added to captures after their upload. Of their content the server knows as little as
 //! of a capture's: workers read it with the next ingest. Only a calibration is compared with its
-//! format, so that a file of another program is refused at once, with the way out.
+//! format, so that a file of another program is refused immediately, with the way out.
 
 use bendtwin_core::ids::CaptureId;
 use bendtwin_proto::v1::SupplementMetadata;

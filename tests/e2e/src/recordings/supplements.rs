@@ -55,12 +55,12 @@ async fn masks_and_a_calibration_are_added_and_clicks_made_by_command_line() {
     assert_eq!(of_server.status(), 404);
     let capture = name.clone();
     tokio::task::spawn_blocking(move || {
-        let with = |args: &[&str]| [args, &["--server", url.as_str()]].concat();
+        let at = ["--server", url.as_str()];
         let added = ["capture", "add", &capture, "--masks", &case, "--calibration", &calibration];
-        let added = run_json(&with(&added));
+        let added = run_json(&[&added[..], &at].concat());
         let kinds = added["supplements"].as_array().unwrap().iter().map(|s| s["kind"].clone());
         assert_eq!(kinds.collect::<Value>(), json!(["masks", "calibration"]));
-        let shown = run_ok(&with(&["capture", "show", &capture]));
+        let shown = run_ok(&[&["capture", "show", &capture], &at[..]].concat());
         assert!(shown.contains("added    masks"), "{shown}");
         for (wrong, said) in [
             (vec!["capture", "add", &capture], "--masks"),
@@ -69,25 +69,24 @@ async fn masks_and_a_calibration_are_added_and_clicks_made_by_command_line() {
             (vec!["capture", "ingest", &capture, "--object", "120,88"], "0:120,88"),
             (vec!["capture", "ingest", &capture, "--object", "0:1,2", "--cancel"], "--cancel"),
         ] {
-            let refused = run(&with(&wrong));
+            let refused = run(&[&wrong[..], &at].concat());
             assert!(!refused.status.success());
             let text = String::from_utf8_lossy(&refused.stderr).into_owned();
             assert!(text.contains(said), "{wrong:?}: {text}");
         }
-        run_ok(&with(&["capture", "remove", &capture, "calibration"]));
+        run_ok(&[&["capture", "remove", &capture, "calibration"], &at[..]].concat());
 
         let ingest = |args: &[&str]| {
-            let asked = run_json(&with(&[&["capture", "ingest", &capture], args].concat()));
-            run_ok(&with(&["capture", "ingest", &capture, "--cancel"]));
+            let asked = run_json(&[&["capture", "ingest", &capture], args, &at].concat());
+            run_ok(&[&["capture", "ingest", &capture, "--cancel"], &at[..]].concat());
             asked["ingest"]["settings"].clone()
         };
         let marked = ingest(&["--until", "masks", "--object", "0:120,88", "--hand", "1@3:7,9"]);
         assert_eq!(marked["until"], "masks");
         assert_eq!(marked["strokes"][1]["frame"], 3, "{marked}");
         let corrected = ingest(&["--keep", "--until", "points", "--background", "0:1,2"]);
-        assert_eq!((&corrected["until"], corrected["strokes"].as_array().unwrap().len()), {
-            (&json!("points"), 3)
-        });
+        assert_eq!(corrected["until"], "points");
+        assert_eq!(corrected["strokes"].as_array().unwrap().len(), 3);
         assert_eq!(ingest(&[])["strokes"], json!([]), "without --keep it begins anew");
     })
     .await
