@@ -2,10 +2,12 @@
 
 mod add;
 mod archive;
+mod calibrate;
 mod check;
 mod export;
 mod ingest;
 pub(crate) mod make;
+mod mask;
 mod masks;
 pub(crate) mod push;
 mod reading;
@@ -41,6 +43,11 @@ enum Command {
     },
     /// Measure a capture or raw recording and write the report as a page with pictures or as JSON
     Report(report::Arguments),
+    /// Find the cameras' poses with a board that all of them see, or take them from another program,
+    /// and write calibration.json, without a server
+    Calibrate(calibrate::Calibrate),
+    /// Make the masks of object and hands in a raw recording from a few clicks, without a server
+    Mask(Box<mask::Mask>),
     /// Write the images of the object in one frame as a nerfstudio folder, for trainers of Gaussian
     /// splatting, without a server
     Export(export::Export),
@@ -90,6 +97,8 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Make(args) => make::run(args, global).await,
         Command::Check { path } => check::run(&path, global).await,
         Command::Report(args) => report::run(args, global).await,
+        Command::Calibrate(args) => calibrate::run(args, global).await,
+        Command::Mask(args) => mask::run(*args, global).await,
         Command::Export(args) => export::run(args, global).await,
         Command::Push(args) => push::run(*args, global).await,
         Command::List { choice, recorded_by } => {

@@ -86,6 +86,15 @@ impl Error {
         Self::new(Category::Unavailable, "UPLOAD_STUCK", message)
     }
 
+    /// Uploads that the server created are not found.
+    pub(crate) fn upload_gone(url: &str) -> Self {
+        let message = format!(
+            "the server at {url} creates the upload and then does not find it: let the proxy in front of it pass on \
+             {url}/v1/uploads and all below, with HEAD and PATCH"
+        );
+        Self::new(Category::NotFound, "UPLOAD_LOST", message)
+    }
+
     /// A local file that cannot be read or written.
     pub(crate) fn file(path: &std::path::Path, error: &std::io::Error) -> Self {
         let category = match error.kind() {

@@ -1,6 +1,8 @@
 //! An array as files hold it: type, shape, order and bytes, not yet decoded.
 //! Both .npy files and pickles end here.
 
+mod labels;
+
 use std::borrow::Cow;
 
 use bendtwin_core::Point;
@@ -19,6 +21,7 @@ pub(crate) enum Dtype {
     U32,
     I64,
     U64,
+    F16,
     F32,
     F64,
 }
@@ -36,6 +39,7 @@ impl Dtype {
             ('u', 4) => Self::U32,
             ('i', 8) => Self::I64,
             ('u', 8) => Self::U64,
+            ('f', 2) => Self::F16,
             ('f', 4) => Self::F32,
             ('f', 8) => Self::F64,
             _ => return None,
@@ -46,14 +50,14 @@ impl Dtype {
     pub(crate) fn size(self) -> usize {
         match self {
             Self::Bool | Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::I16 | Self::U16 | Self::F16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
             Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
     fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
+        matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
 
     fn name(self) -> &'static str {
@@ -67,6 +71,7 @@ impl Dtype {
             Self::U32 => "uint32",
             Self::I64 => "int64",
             Self::U64 => "uint64",
+            Self::F16 => "float16",
             Self::F32 => "float32",
             Self::F64 => "float64",
         }
@@ -126,6 +131,16 @@ impl<'a> Array<'a> {
         self.dtype.is_float()
     }
 
+    /// Name of its elements' type: `uint16`, for example.
+    pub(crate) fn dtype_name(&self) -> &'static str {
+        self.dtype.name()
+    }
+
+    /// `true` if elements are unsigned bytes.
+    pub(crate) fn is_u8(&self) -> bool {
+        self.dtype == Dtype::U8
+    }
+
     /// Number of elements.
     pub(crate) fn len(&self) -> usize {
         self.data.len() / self.dtype.size()
@@ -170,6 +185,7 @@ impl<'a> Array<'a> {
     /// Floats; integers are refused, because they are a sign of millimetres or indices.
     pub(crate) fn floats(&self, budget: &mut Budget) -> Result<Vec<f32>, Error> {
         match self.dtype {
+            Dtype::F16 => self.decode(budget, |b| half(bits(b) as u16)),
             Dtype::F32 => self.decode(budget, |b| f32::from_bits(bits(b) as u32)),
             Dtype::F64 => self.decode(budget, |b| f64::from_bits(bits(b)) as f32),
             _ => Err(self.wrong_dtype("float32 or float64")),
@@ -179,23 +195,32 @@ impl<'a> Array<'a> {
     /// Floats in double precision.
     pub(crate) fn doubles(&self, budget: &mut Budget) -> Result<Vec<f64>, Error> {
         match self.dtype {
+            Dtype::F16 => self.decode(budget, |b| f64::from(half(bits(b) as u16))),
             Dtype::F32 => self.decode(budget, |b| f64::from(f32::from_bits(bits(b) as u32))),
             Dtype::F64 => self.decode(budget, |b| f64::from_bits(bits(b))),
             _ => Err(self.wrong_dtype("float32 or float64")),
         }
     }
 
-    /// Numbers of any unsigned or floating type, times a factor.
+    /// Numbers of any type but truth values, times a factor.
     pub(crate) fn scaled(&self, factor: f64, budget: &mut Budget) -> Result<Vec<f32>, Error> {
         match self.dtype {
-            Dtype::U8 | Dtype::U16 | Dtype::U32 => {
+            Dtype::U8 | Dtype::U16 | Dtype::U32 | Dtype::U64 => {
                 self.decode(budget, |b| (bits(b) as f64 * factor) as f32)
+            }
+            Dtype::I8 | Dtype::I16 | Dtype::I32 | Dtype::I64 => {
+                let shift = 64 - 8 * self.dtype.size() as u32;
+                let signed = move |b: &[u8]| ((bits(b) << shift) as i64) >> shift;
+                self.decode(budget, |b| (signed(b) as f64 * factor) as f32)
+            }
+            Dtype::F16 => {
+                self.decode(budget, |b| (f64::from(half(bits(b) as u16)) * factor) as f32)
             }
             Dtype::F32 => {
                 self.decode(budget, |b| (f64::from(f32::from_bits(bits(b) as u32)) * factor) as f32)
             }
             Dtype::F64 => self.decode(budget, |b| (f64::from_bits(bits(b)) * factor) as f32),
-            _ => Err(self.wrong_dtype("uint16, uint32, float32 or float64")),
+            Dtype::Bool => Err(self.wrong_dtype("uint16, uint32, float32 or float64")),
         }
     }
 
@@ -264,6 +289,18 @@ fn triples(flat: &[f32]) -> Vec<Point> {
 /// Little-endian bytes as a number.
 fn bits(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |n, b| (n << 8) | u64::from(*b))
+}
+
+/// A number in half precision (IEEE 754 binary16).
+fn half(bits: u16) -> f32 {
+    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f32::from(bits & 1023));
+    sign * match exponent {
+        0 => fraction * 2.0_f32.powi(-24),
+        31 if fraction == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1024.0 + fraction) * 2.0_f32.powi(exponent - 25),
+    }
 }
 
 #[cfg(test)]

@@ -67,11 +67,14 @@ pub fn check_gravity(environment: &Environment) -> Vec<Finding> {
 /// Reads and checks a capture; what reading refuses becomes a finding too.
 pub fn check_path(path: &Path, limits: &Limits) -> CheckReport {
     match read_noting(path, limits) {
-        Ok((capture, notes)) => {
-            let mut report = check(&capture);
-            report.findings.extend(notes.into_iter().map(|n| n.0));
-            report.findings = report::merge(report.findings);
-            report
+        Ok((capture, remarks)) => {
+            let mut findings = check(&capture).findings;
+            // The reader knows why.
+            let named =
+                |code: &String| remarks.findings.iter().any(|f| f.consequences.contains(code));
+            findings.retain(|f| !named(&f.code));
+            findings.extend(remarks.findings);
+            CheckReport { findings: report::merge(findings), sources: remarks.sources }
         }
         Err(error) => {
             let finding =

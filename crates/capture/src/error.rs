@@ -22,8 +22,8 @@ pub enum Error {
     /// Neither a bundle, nor a PhysTwin case, nor motion capture.
     #[error(
         "`{name}` is no capture, {there}: it needs `capture.json` (a BendTwin bundle), `final_data.pkl` or `metadata.json` \
-         with `color` (a PhysTwin case) or `transforms.json` (nerfstudio), unless it is an MCAP file or an .npz with its .json \
-         beside it (motion capture)"
+         with `color` (a PhysTwin case) or `transforms.json` (nerfstudio), unless it is an MCAP file or motion capture (an .npz with its .json \
+         beside it, C3D, CSV of OptiTrack, or TRC)"
     )]
     #[problem(InvalidArgument, "UNKNOWN_CAPTURE_KIND")]
     UnknownKind {
@@ -130,6 +130,18 @@ pub enum Error {
         /// Bytes allowed.
         limit: u64,
     },
+    /// An MCAP file that was compressed as a whole and is larger than what may be held in memory.
+    #[error(
+        "`{at}` unpacks to more than {limit} bytes, and a compressed file is held in memory: unpack it with `zstd -d {at}`, \
+         or record with `--compression-mode message`"
+    )]
+    #[problem(ResourceExhausted, "MCAP_TOO_LARGE_FOR_MEMORY")]
+    McapInMemory {
+        /// The file.
+        at: String,
+        /// Bytes allowed.
+        limit: u64,
+    },
     /// Two entries of one name.
     #[error("the archive has several entries of the same name: pack the folder anew")]
     #[problem(InvalidArgument, "ARCHIVE_DUPLICATE_NAME")]
@@ -214,6 +226,16 @@ pub enum Error {
     #[error("{0}")]
     #[problem(InvalidArgument, "FRAME_NUMBERS_UNCLEAR")]
     FrameNumbers(String),
+    /// An archive or folder of masks without masks.
+    #[error(
+        "there are no masks, {there}: put those of camera 0 into `mask/0`, as images with the number of their frame, \
+         and so on (docs/use/cameras.md#masks)"
+    )]
+    #[problem(InvalidArgument, "NO_MASKS")]
+    NoMasks {
+        /// What lies there, in words.
+        there: String,
+    },
     /// Labels of masks that do not distinguish the object from the manipulator.
     #[error("{0}")]
     #[problem(InvalidArgument, "MASK_LABELS_UNCLEAR")]
@@ -343,10 +365,25 @@ pub enum Error {
         /// The camera's columns and rows.
         needed: [usize; 2],
     },
+    /// A colour image that is to be shown turned.
+    #[error(
+        "`{at}` says by EXIF that it is to be shown {turn} (orientation {number}), and nothing says whether depth, masks and \
+         intrinsics belong to its pixels as stored or as shown: set `image_orientation` beside the cameras' description to \
+         \"stored\" or \"shown\", or write the images anew without EXIF"
+    )]
+    #[problem(InvalidArgument, "IMAGE_TURNED")]
+    Turned {
+        /// The file.
+        at: String,
+        /// The turn in words.
+        turn: &'static str,
+        /// EXIF's number of the turn.
+        number: u8,
+    },
     /// Depth in a frame other than colour's.
     #[error(
         "camera `{camera}`: no depth images have the frame_id of its colour, `{frame_id}` (there is {found}): \
-         record depth aligned to colour, such as aligned_depth_to_color"
+         record depth aligned to colour, such as aligned_depth_to_color; docs/use/cameras.md#depth"
     )]
     #[problem(InvalidArgument, "DEPTH_NOT_ALIGNED")]
     DepthNotAligned {
@@ -357,6 +394,31 @@ pub enum Error {
         /// The depth topics that there are.
         found: String,
     },
+    /// A CameraInfo of another resolution than the images that it belongs to.
+    #[error(
+        "camera `{camera}`: its images are {} x {} pixels, and `{info}` describes images of {} x {}: record the camera_info \
+         of these images, or images of that size; docs/use/cameras.md#calibration",
+        images[0], images[1], lens[0], lens[1]
+    )]
+    #[problem(InvalidArgument, "LENS_SIZE_MISMATCH")]
+    LensSize {
+        /// The camera's name.
+        camera: String,
+        /// Columns and rows of its images.
+        images: [usize; 2],
+        /// The topic of the CameraInfo.
+        info: String,
+        /// Columns and rows that the CameraInfo describes.
+        lens: [usize; 2],
+    },
+    /// Topics of images between which nothing decides, or none that is read.
+    #[error("{0}")]
+    #[problem(InvalidArgument, "TOPICS_UNCLEAR")]
+    Topics(String),
+    /// Coordinate frames that do not place the cameras.
+    #[error("{0}")]
+    #[problem(InvalidArgument, "TRANSFORMS_UNCLEAR")]
+    Transforms(String),
     /// A camera that a recording does not have.
     #[error("the recording has no camera number {0}")]
     #[problem(InvalidArgument, "NO_SUCH_CAMERA")]

@@ -5,6 +5,7 @@ pub(crate) mod contents;
 mod listing;
 pub(crate) mod other;
 mod part;
+mod section;
 mod storage;
 mod tar;
 mod zip;
@@ -20,6 +21,7 @@ use std::{
 use self::storage::Storage;
 pub(crate) use self::{
     listing::{Contents, shortened},
+    section::Section,
     storage::SharedFile,
 };
 use crate::{Error, Limits, limits::Budget};
@@ -122,8 +124,13 @@ impl<'a> Files<'a> {
         let length = storage.length();
         let mut limits = limits.clone();
         let mut start = storage.first(MAGIC).map_err(io)?;
-        let is_gzip = start.starts_with(b"\x1f\x8b");
+        let is_gzip = start.starts_with(other::GZIP);
         if is_gzip {
+            // What is no archive need not be unpacked to its end.
+            let inside = tar::first(storage.clone(), MAGIC)?;
+            if !tar::is_tar(&inside) {
+                return Err(other::gzip(at, &inside));
+            }
             storage = tar::unpack(at, storage, &mut limits)?;
             start = storage.first(MAGIC).map_err(io)?;
         }
@@ -131,8 +138,6 @@ impl<'a> Files<'a> {
         let (source, names) = if tar::is_tar(&start) {
             let (members, names) = tar::open(storage.clone(), &limits, &mut budget)?;
             (Source::Tar(storage, Arc::new(members)), names)
-        } else if is_gzip {
-            return Err(other::gzip(at));
         } else if start.starts_with(b"PK") {
             let (archive, names) = zip::open(name, storage, &limits, &mut budget)?;
             (Source::Zip(Box::new(archive)), names)
@@ -189,19 +194,16 @@ impl<'a> Files<'a> {
     pub(crate) fn unknown(&self) -> Error {
         let contents = self.list("");
         for name in &contents.files {
-            match &self.source {
+            let known = match &self.source {
                 Source::Folder(root) => {
                     let file = SharedFile::open(&root.join(name)).ok();
                     let mut storage = file.map(|file| Storage::File(BufReader::new(file)));
-                    let known = storage.as_mut().and_then(|file| other::recognise(name, file));
-                    if let Some(known) = known {
-                        return known;
-                    }
+                    storage.as_mut().and_then(|file| other::recognise(name, file))
                 }
-                _ if name.to_ascii_lowercase().ends_with(".mcap") => {
-                    return other::packed_mcap(name);
-                }
-                _ => {}
+                Source::Zip(_) | Source::Tar(..) => other::packed(name),
+            };
+            if let Some(known) = known {
+                return known;
             }
         }
         Error::UnknownKind {
@@ -275,11 +277,58 @@ impl<'a> Files<'a> {
     /// Reads a file that may be missing and may not be longer than `cap` bytes.
     pub(crate) fn find_within(&mut self, name: &str, cap: u64) -> Result<Option<Vec<u8>>, Error> {
         let bytes = self.read_within(name, cap.min(self.limits.file_bytes))?;
-        if let (Some(_), Some(names)) = (&bytes, &self.read) {
+        if let Some(error) = bytes.as_ref().and_then(|bytes| other::disguised(name, bytes)) {
+            return Err(error);
+        }
+        if bytes.is_some() {
+            self.note_read(name);
+        }
+        Ok(bytes)
+    }
+
+    /// A file that must exist, to be read where it lies; one that is compressed in an archive is
+    /// read into memory.
+    pub(crate) fn section(&mut self, name: &str) -> Result<Section, Error> {
+        let full = format!("{}{name}", self.prefix);
+        let found = match &mut self.source {
+            Source::Folder(root) => {
+                let io = |source| Error::Io { at: full.clone(), source };
+                Some(Section::of_file(SharedFile::open(&root.join(&full)).map_err(io)?))
+            }
+            Source::Zip(archive) => match self.entries.get(&full) {
+                Some(&index) => zip::section(archive, index, &full)?,
+                None => None,
+            },
+            Source::Tar(storage, members) => {
+                let member = self.entries.get(&full).and_then(|index| members.get(*index));
+                match member {
+                    Some(&member) => tar::section(storage, member, &full)?,
+                    None => None,
+                }
+            }
+        };
+        let Some(section) = found else { return self.read(name).map(Section::of_memory) };
+        self.note_read(name);
+        Ok(section)
+    }
+
+    /// Keeps the name of a file that is read, if anybody wants to know.
+    fn note_read(&self, name: &str) {
+        if let Some(names) = &self.read {
             let name = self.full_name(name);
             names.lock().unwrap_or_else(PoisonError::into_inner).insert(name);
         }
-        Ok(bytes)
+    }
+
+    /// Refuses a file that stands in for another: a pointer of Git LFS, a web page.
+    ///
+    /// # Errors
+    /// If it is one of those; that it cannot be read is for its reader to say.
+    pub(crate) fn refuse_disguised(&mut self, name: &str) -> Result<(), Error> {
+        match self.find_within(name, other::LONGEST_POINTER) {
+            Err(error @ Error::OtherFormat { .. }) => Err(error),
+            _ => Ok(()),
+        }
     }
 
     fn read_within(&mut self, name: &str, cap: u64) -> Result<Option<Vec<u8>>, Error> {

@@ -1,11 +1,11 @@
 //! Formats of captures: the one place that knows what lies at a path, and as which format a folder is
 //! read.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bendtwin_core::Finding;
 
-use crate::{Error, bundle, files::Contents, mocap, phystwin, raw, several};
+use crate::{bundle, files::Contents, mocap, phystwin, raw, several};
 
 /// Format of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub(crate) enum Format {
     RawPhysTwin,
     /// Arrays of points with a document.
     MotionCapture,
+    /// Markers as programs of motion capture export them.
+    Markers,
     /// A file with the messages of a robot.
     Mcap,
 }
@@ -41,11 +43,13 @@ impl Format {
     pub(crate) fn all(contents: &Contents) -> impl Iterator<Item = Self> {
         [
             (contents.has(several::MARKER), Self::Recordings),
+            (contents.files.iter().any(|name| raw::is_mcap(name)), Self::Mcap),
             (contents.has(bundle::MARKER), Self::Bundle),
             (contents.has(phystwin::MARKER), Self::PhysTwin),
             (contents.has(raw::nerfstudio::MARKER), Self::Nerfstudio),
             (raw::is_case(contents), Self::RawPhysTwin),
             (mocap::packed(contents).is_some(), Self::MotionCapture),
+            (mocap::has_markers(contents), Self::Markers),
         ]
         .into_iter()
         .filter_map(|(is_there, format)| is_there.then_some(format))
@@ -60,6 +64,7 @@ impl Format {
             Self::Nerfstudio => "nerfstudio (`transforms.json`)",
             Self::RawPhysTwin => "a raw PhysTwin case (`metadata.json` with `color`)",
             Self::MotionCapture => "motion capture (`.npz` with its `.json`)",
+            Self::Markers => "markers of motion capture (C3D, CSV or TRC)",
             Self::Mcap => "an MCAP file",
         }
     }
@@ -69,21 +74,26 @@ impl Format {
 pub(crate) enum Place<'p> {
     /// Arrays of motion capture in a separate file, which is no archive of files.
     Arrays(&'p Path),
-    /// An MCAP file: that of the path, or the only one in a folder.
-    Mcap(PathBuf),
+    /// Markers of motion capture in a separate file.
+    Markers(&'p Path),
+    /// An MCAP file, which may be compressed as a whole.
+    Mcap(&'p Path),
     /// A folder or an archive of files.
     Files(&'p Path),
 }
 
 impl<'p> Place<'p> {
-    /// # Errors
-    /// If a folder has several MCAP files.
-    pub(crate) fn at(path: &'p Path) -> Result<Self, Error> {
+    pub(crate) fn at(path: &'p Path) -> Self {
         let path = root(path);
         if is_npz(path) {
-            return Ok(Self::Arrays(path));
+            Self::Arrays(path)
+        } else if mocap::is_markers(path) {
+            Self::Markers(path)
+        } else if raw::is_mcap_at(path) {
+            Self::Mcap(path)
+        } else {
+            Self::Files(path)
         }
-        Ok(raw::mcap_at(path)?.map_or(Self::Files(path), Self::Mcap))
     }
 }
 

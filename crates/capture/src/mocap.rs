@@ -1,7 +1,9 @@
 //! Motion capture of cables: an .npz of trajectories with its .json beside it,
 //! in the layout of the DEFORM and DEFT data. Vertices become tracked points
 //! with known edges; vertices that robots hold become pins on control points
-//! that follow the recorded trajectories.
+//! that follow the recorded trajectories. The files of motion-capture programs are in [`markers`].
+
+mod markers;
 
 use std::{fs::File, io::Read, path::Path};
 
@@ -19,6 +21,12 @@ use crate::{
     frame::Frame,
     npy,
     phystwin::json,
+};
+
+pub use markers::described;
+pub(crate) use markers::{
+    has as has_markers, is_file as is_markers, read_file as read_markers,
+    read_in as read_markers_in, read_packed as read_packed_markers,
 };
 
 /// Lowest height that both datasets record [m]: their floor, to which DEFORM clips.

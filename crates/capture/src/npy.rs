@@ -90,7 +90,7 @@ fn dtype(at: &str, descr: &str) -> Result<Dtype, Error> {
     let wrong = |found: String| Error::Dtype {
         at: at.to_owned(),
         found,
-        needed: "little-endian bool, integers, float32 or float64",
+        needed: "little-endian bool, integers or floats",
     };
     let mut letters = descr.chars();
     let (order, kind) = (letters.next(), letters.next());

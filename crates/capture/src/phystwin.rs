@@ -211,10 +211,21 @@ fn expect(array: &Array<'_>, shape: &[usize], letters: &str) -> Result<(), Error
     }
 }
 
-/// Parses a JSON document of a known form.
+/// Parses a JSON document of a known form. A fault is named with its field.
 pub(crate) fn json<'de, T: Deserialize<'de>>(bytes: &'de [u8], at: &str) -> Result<T, Error> {
-    serde_json::from_slice(bytes)
-        .map_err(|e| Error::Document { at: at.to_owned(), fault: e.to_string() })
+    let fault = |fault: String| Error::Document { at: at.to_owned(), fault };
+    let mut reader = serde_json::Deserializer::from_slice(bytes);
+    let document = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let (field, text) = (error.path().to_string(), error.inner().to_string());
+        // The place counts only where the text itself is broken.
+        if !error.inner().is_data() {
+            return fault(text);
+        }
+        let what = text.rsplit_once(" at line ").map_or(text.as_str(), |(what, _)| what);
+        fault(if field == "." { what.to_owned() } else { format!("`{field}`: {what}") })
+    })?;
+    reader.end().map_err(|error| fault(error.to_string()))?;
+    Ok(document)
 }
 
 #[cfg(test)]

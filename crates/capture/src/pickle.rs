@@ -1,9 +1,10 @@
-//! Python pickles of numpy arrays and of torch tensors, protocols 2 to 5, read without recursion
+//! Python pickles of numpy arrays and of torch tensors, protocols 0 to 5, read without recursion
 //! through an allow-list. Nothing is ever imported or called: the few globals
 //! that numpy needs are known by name, and those of torch where its archives are read; everything
 //! else is refused.
 
 mod input;
+mod lines;
 mod machine;
 mod numpy;
 mod torch;
@@ -109,6 +110,26 @@ impl<'a> Pickle<'a> {
             other => Err(self.not_as_needed(&format!(": {index}"), other, "a numpy array")),
         };
         ids.iter().enumerate().map(of).collect()
+    }
+
+    /// The arrays of a dictionary whose keys are texts or whole numbers; `None` for another root.
+    pub(crate) fn named_arrays(&self) -> Result<Option<Vec<(String, Array<'a>)>>, Error> {
+        let Value::Dict(entries) = self.value(self.root) else { return Ok(None) };
+        let of = |(key, value): &(Id, Id)| {
+            let name = match self.value(*key) {
+                Value::Str(name) => name.to_string(),
+                Value::Int(number) => number.to_string(),
+                other => return Err(self.not_as_needed(": a key", other, "a str or an int")),
+            };
+            match self.value(*value) {
+                Value::Array(array) => {
+                    let array = array.clone().named(&format!("{}: {name}", self.at));
+                    Ok((name, array))
+                }
+                other => Err(self.not_as_needed(&format!(": {name}"), other, "a numpy array")),
+            }
+        };
+        entries.iter().map(of).collect::<Result<_, _>>().map(Some)
     }
 
     /// The array under a key of the root dictionary, `None` where there is no such

@@ -5,16 +5,19 @@
 //! memory stays flat; every camera has a separate reader, so that cameras can be read side by side.
 
 mod bundle;
+mod calibration;
 mod camera;
 mod clock;
 mod decode;
 mod encode;
 mod gripper;
 mod image;
+mod mask_set;
 mod mcap;
 pub(crate) mod nerfstudio;
 mod numbering;
 mod phystwin;
+mod realign;
 mod stored;
 mod supplement;
 #[cfg(test)]
@@ -23,22 +26,21 @@ mod tracks;
 mod usable;
 mod validity;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::Path, sync::Arc};
 
 use bendtwin_core::{Environment, Finding, Point};
 
-pub(crate) use self::bundle::Section;
+pub(crate) use self::{bundle::Section, decode::label_number, phystwin::names_manipulator};
 pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
+    calibration::{CALIBRATION_FILE, CalibratedCamera, Calibration},
     camera::{Camera, Distortion, Intrinsics, Pose},
     gripper::{Gripper, Pad},
     image::{ColorImage, DepthImage, Image, Mask},
+    mask_set::MaskSet,
     nerfstudio::write_nerfstudio,
     phystwin::{export_case, write_case},
-    supplement::Supplements,
+    supplement::{Supplements, file_in},
 };
 use crate::{
     Error, Limits, Sources,
@@ -52,22 +54,32 @@ use crate::{
 /// # Errors
 /// If there is no recording, its description is damaged or impossible, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
-    match Place::at(path)? {
-        Place::Mcap(file) => open_mcap(&file, limits),
+    match Place::at(path) {
+        Place::Mcap(file) => open_mcap(file, limits),
+        Place::Markers(path) => {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let there = "which has markers and no images".to_owned();
+            Err(Error::UnknownKind { name, there })
+        }
         Place::Arrays(path) | Place::Files(path) => find(Files::open(path, limits)?),
     }
 }
 
 /// Opens the recording in an MCAP file.
 pub(crate) fn open_mcap(file: &Path, limits: &Limits) -> Result<Recording, Error> {
-    let mut recording = mcap::read(file, limits)?;
+    let mut recording = mcap::read_file(file, limits)?;
     validity::settle(&mut recording, limits)?;
     Ok(recording)
 }
 
-/// The MCAP file at a path, if there is one.
-pub(crate) fn mcap_at(path: &Path) -> Result<Option<PathBuf>, Error> {
-    mcap::file_at(path)
+/// `true` if an MCAP file lies at a path, which may be compressed as a whole.
+pub(crate) fn is_mcap_at(path: &Path) -> bool {
+    mcap::is_at(path)
+}
+
+/// `true` if a file is MCAP by its name, which may be compressed as a whole.
+pub(crate) fn is_mcap(name: &str) -> bool {
+    mcap::is_named(name)
 }
 
 /// The recording among these files.
@@ -77,21 +89,28 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
         return Err(files.unknown());
     }
     // Points that were tracked already are passed over.
-    let with_images = [Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
+    let with_images = [Format::Mcap, Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
     let format = Format::all(&files.list("")).find(|format| with_images.contains(format));
+    let document = files.find_document(CALIBRATION_FILE)?;
+    let calibration = document.map(|bytes| Calibration::read(&bytes, &limits)).transpose()?;
     let mut recording = match format {
+        Some(Format::Mcap) => mcap::read(files)?,
         Some(Format::Bundle) => bundle::read(files)?,
         Some(Format::Nerfstudio) => nerfstudio::read(files)?,
-        Some(Format::RawPhysTwin) => phystwin::read(files)?,
+        Some(Format::RawPhysTwin) => phystwin::read(files, calibration.as_ref())?,
         _ => return Err(files.unknown()),
     };
+    if let Some(calibration) = &calibration {
+        calibration.apply(&mut recording)?;
+        recording.sources.take("pose", None, CALIBRATION_FILE, &calibration.source);
+    }
     validity::settle(&mut recording, &limits)?;
     Ok(recording)
 }
 
 /// `true` if a folder with these files is a raw PhysTwin case.
 pub(crate) fn is_case(contents: &Contents) -> bool {
-    contents.has(phystwin::MARKER) && contents.has_folder("color")
+    phystwin::is_case(contents)
 }
 
 /// Recording of one manipulation by cameras.
@@ -191,6 +210,12 @@ pub trait Source: Send + Sync + std::fmt::Debug {
     /// not separate files.
     fn files(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Name of the file of a colour image, without folder and extension; `None` if it was not recorded,
+    /// or is no separate file.
+    fn color_stem(&self, _camera: usize, _frame: usize) -> Option<String> {
+        None
     }
 }
 

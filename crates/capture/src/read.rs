@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use bendtwin_core::{Capture, Finding};
+use bendtwin_core::Capture;
 
 use crate::{
-    Error, Limits, bundle,
+    Error, Limits, Remarks, bundle,
     check::{Note, structure::validate},
     files::Files,
     format::{Format, Place, root, taken},
@@ -14,8 +14,8 @@ use crate::{
     several::{self, Part},
 };
 
-/// Reads a capture from a folder, a ZIP or tar archive, or an .npz of motion capture with its .json
-/// beside it, which may lie in a folder or archive, too.
+/// Reads a capture from a folder, a ZIP or tar archive, or a file of motion capture: an .npz with its
+/// .json beside it, or markers as C3D, CSV or TRC. They may lie in a folder or archive, too.
 ///
 /// The result is structurally sound (lengths agree, indices exist), in metres
 /// with z up. [`crate::check()`] judges its numbers.
@@ -31,15 +31,19 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Capture, Error> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_bytes(name: &str, bytes: &[u8], limits: &Limits) -> Result<Capture, Error> {
+    if let Some((capture, _)) = mocap::read_markers_in(name, bytes, limits)? {
+        validate(&capture)?;
+        return Ok(capture);
+    }
     let mut files = Files::from_bytes(name, bytes, limits)?;
-    read_files(&mut files, &mut Vec::new())
+    read_files(&mut files, &mut Remarks::default())
 }
 
 /// Content of a path: points, or a raw recording of cameras.
 #[derive(Debug)]
 pub enum Opened {
     /// Points that were tracked already, and what the reader noticed without failing.
-    Observed(Capture, Vec<Finding>),
+    Observed(Capture, Remarks),
     /// Colour and depth, to be lifted to points.
     Raw(Recording),
     /// Several recordings of one object, the reference first.
@@ -52,11 +56,17 @@ pub enum Opened {
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
-    match Place::at(path)? {
+    match Place::at(path) {
         Place::Arrays(path) => {
-            Ok(observed(mocap::read_npz(path, &path.with_extension("json"), limits)?, Vec::new()))
+            let capture = mocap::read_npz(path, &path.with_extension("json"), limits)?;
+            Ok(Opened::Observed(capture, Remarks::default()))
         }
-        Place::Mcap(file) => raw::open_mcap(&file, limits).map(Opened::Raw),
+        Place::Markers(path) => {
+            let (capture, remarks) = mocap::read_markers(path, limits)?;
+            validate(&capture)?;
+            Ok(Opened::Observed(capture, remarks))
+        }
+        Place::Mcap(file) => raw::open_mcap(file, limits).map(Opened::Raw),
         Place::Files(path) => open_files(&mut Files::open(path, limits)?),
     }
 }
@@ -66,40 +76,41 @@ pub(crate) fn open_files(files: &mut Files<'static>) -> Result<Opened, Error> {
     if let Some(parts) = several::open(files)? {
         return Ok(Opened::Several(parts));
     }
-    let mut notes = Vec::new();
-    match read_one(files, &mut notes) {
-        Ok(capture) => Ok(observed(capture, notes)),
+    let mut remarks = Remarks::default();
+    match read_one(files, &mut remarks) {
+        Ok(capture) => Ok(Opened::Observed(capture, remarks)),
         Err(Error::RawOnly(_)) => raw::find(files.fork()).map(Opened::Raw),
         Err(error) => Err(error),
     }
 }
 
-fn observed(capture: Capture, notes: Vec<Note>) -> Opened {
-    Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect())
-}
-
-pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
-    let mut notes = Vec::new();
-    let capture = match Place::at(path)? {
+pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Remarks), Error> {
+    let mut remarks = Remarks::default();
+    let capture = match Place::at(path) {
         Place::Arrays(path) => mocap::read_npz(path, &path.with_extension("json"), limits)?,
+        Place::Markers(path) => {
+            let (capture, remarks) = mocap::read_markers(path, limits)?;
+            validate(&capture)?;
+            return Ok((capture, remarks));
+        }
         Place::Mcap(_) => {
             let name = root(path).file_stem().unwrap_or_default().to_string_lossy();
             return Err(Error::RawOnly(name.into_owned()));
         }
-        Place::Files(path) => read_files(&mut Files::open(path, limits)?, &mut notes)?,
+        Place::Files(path) => read_files(&mut Files::open(path, limits)?, &mut remarks)?,
     };
-    Ok((capture, notes))
+    Ok((capture, remarks))
 }
 
-fn read_files(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
-    match several::read(files, notes)? {
+fn read_files(files: &mut Files<'_>, remarks: &mut Remarks) -> Result<Capture, Error> {
+    match several::read(files, remarks)? {
         Some(capture) => Ok(capture),
-        None => read_one(files, notes),
+        None => read_one(files, remarks),
     }
 }
 
 /// Reads a capture that is not several recordings.
-pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
+pub(crate) fn read_one(files: &mut Files<'_>, remarks: &mut Remarks) -> Result<Capture, Error> {
     if !files.settle(Format::is_in)? {
         return Err(files.unknown());
     }
@@ -112,9 +123,15 @@ pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<C
         }
         first => first,
     };
+    let mut notes = Vec::new();
     let capture = match (format, mocap::packed(&contents)) {
-        (Some(Format::Bundle), _) => bundle::read(files, notes)?,
-        (Some(Format::PhysTwin), _) => phystwin::read(files, notes)?,
+        (Some(Format::Bundle), _) => bundle::read(files, &mut notes)?,
+        (Some(Format::PhysTwin), _) => phystwin::read(files, &mut notes)?,
+        (Some(Format::Markers), _) => {
+            let (capture, more) = mocap::read_packed_markers(files)?;
+            remarks.extend(more);
+            capture
+        }
         (Some(Format::MotionCapture), Some(npz)) => mocap::read_packed(files, npz)?,
         (Some(Format::Nerfstudio | Format::RawPhysTwin | Format::Mcap), _) => {
             return Err(Error::RawOnly(files.name.clone()));
@@ -122,6 +139,7 @@ pub(crate) fn read_one(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<C
         (Some(Format::Recordings | Format::MotionCapture) | None, _) => return Err(files.unknown()),
     };
     notes.extend(taken(&contents).map(Note));
+    remarks.add(notes);
     validate(&capture)?;
     Ok(capture)
 }

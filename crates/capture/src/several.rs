@@ -5,8 +5,8 @@ use bendtwin_core::Capture;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Opened,
-    check::{Note, structure::validate},
+    Error, Opened, Remarks,
+    check::structure::validate,
     files::{Files, at_most},
     format::Format,
     limits::Budget,
@@ -68,9 +68,9 @@ pub(crate) fn open(files: &mut Files<'static>) -> Result<Option<Vec<Part>>, Erro
     let (mut parts, mut budget) = (Vec::with_capacity(places.len()), Budget::new(&files.limits));
     for Place { entry, mut files } in places {
         let named = |error| in_recording(&entry.name, error);
-        let mut notes = Vec::new();
-        let opened = match read_within(&mut files, &mut budget, &mut notes) {
-            Ok(capture) => Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect()),
+        let mut remarks = Remarks::default();
+        let opened = match read_within(&mut files, &mut budget, &mut remarks) {
+            Ok(capture) => Opened::Observed(capture, remarks),
             Err(Error::RawOnly(_)) => Opened::Raw(raw::find(files).map_err(named)?),
             Err(error) => return Err(named(error)),
         };
@@ -81,13 +81,13 @@ pub(crate) fn open(files: &mut Files<'static>) -> Result<Option<Vec<Part>>, Erro
 
 /// The recordings among these files, all of which must hold points; `None` if there is no document
 /// that names them.
-pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Option<Capture>, Error> {
+pub(crate) fn read(files: &mut Files<'_>, remarks: &mut Remarks) -> Result<Option<Capture>, Error> {
     let Some(places) = places(files)? else { return Ok(None) };
     let whole = files.name.clone();
     let mut captures = Vec::with_capacity(places.len());
     let mut budget = Budget::new(&files.limits);
     for Place { entry, mut files } in places {
-        let capture = read_within(&mut files, &mut budget, notes);
+        let capture = read_within(&mut files, &mut budget, remarks);
         let capture = capture.map_err(|e| in_recording(&entry.name, e))?;
         captures.push((entry.name, entry.held_out, capture));
     }
@@ -98,10 +98,10 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Optio
 fn read_within(
     files: &mut Files<'_>,
     budget: &mut Budget,
-    notes: &mut Vec<Note>,
+    remarks: &mut Remarks,
 ) -> Result<Capture, Error> {
     std::mem::swap(&mut files.budget, budget);
-    let read = read_one(files, notes);
+    let read = read_one(files, remarks);
     std::mem::swap(&mut files.budget, budget);
     read
 }

@@ -42,7 +42,7 @@ pub struct Loaded {
 pub fn read(content: &[u8]) -> Result<Loaded, Error> {
     let loaded = if content.starts_with(b"ply") {
         ply::read(content)?
-    } else if content.starts_with(&[0x1f, 0x8b]) {
+    } else if content.starts_with(&[0x1f, 0x8b]) || content.starts_with(spz::MAGIC) {
         spz::read(content)?
     } else {
         return Err(Error::Format);

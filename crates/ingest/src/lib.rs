@@ -8,7 +8,7 @@ mod progress;
 mod several;
 mod views;
 
-use std::path::Path;
+use std::{ops::Range, path::Path};
 
 use bendtwin_capture::{
     self as capture, Limits, Opened,
@@ -25,6 +25,7 @@ use self::prepare::Prepared;
 
 pub use bendtwin_lift::Error;
 pub use playback::{Played, write_playback};
+pub use prepare::StrokeMasks;
 pub use progress::{Progress, Step};
 pub use views::{views, views_of_frame};
 
@@ -65,6 +66,8 @@ pub struct Observed {
     /// The recordings of cameras that the capture's recordings were lifted from or lie beside, in their
     /// order, with the masks and poses in use.
     pub recorded: Vec<Option<Recording>>,
+    /// The masks that were made of strokes.
+    pub masks: Option<StrokeMasks>,
 }
 
 impl Observed {
@@ -82,7 +85,7 @@ impl Observed {
 
     /// An observation without lifted images.
     fn new(capture: Result<Option<Capture>, Fault>, report: Report) -> Self {
-        Self { capture, report, recorded: Vec::new() }
+        Self { capture, report, recorded: Vec::new(), masks: None }
     }
 }
 
@@ -145,6 +148,7 @@ impl Work<'_> {
             Opened::Observed(capture, notes) => {
                 let mut seen = inspect_observed(&capture);
                 name.clone_into(&mut seen.name);
+                seen.sources = notes.sources.clone();
                 seen.add(notes);
                 let usable = seen.check_report().require();
                 let capture = usable.map(|()| Some(capture)).map_err(|e| e.fault());
@@ -161,7 +165,11 @@ impl Work<'_> {
         name: &str,
         observer: &mut dyn Observer<Progress>,
     ) -> Result<Observed, Fault> {
-        let Prepared { recording, findings } = prepare::prepare(self, recording, observer)?;
+        let share = self.preparation();
+        let mut before = Span { range: 0.0..share, observer: &mut *observer };
+        let Prepared { recording, findings, calibration, ground, masks } =
+            prepare::prepare(self, recording, &mut before)?;
+        let observer = &mut Span { range: share..1.0, observer };
         let mut tell = |share| {
             observer.progress(Progress { step: Step::Inspect, fraction: INSPECTED * share });
         };
@@ -169,6 +177,8 @@ impl Work<'_> {
             inspect(&recording, self.settings, self.cancel, &mut tell).map_err(|e| e.fault())?;
         name.clone_into(&mut seen.name);
         seen.add(findings);
+        seen.calibration = calibration.and_then(|c| serde_json::from_str(&c.to_json()).ok());
+        seen.ground_detected = ground;
         let observed = match (seen.check_report().require(), self.settings.until) {
             // Lifting takes long, and nothing could be fitted to the result.
             (Err(error), _) => {
@@ -181,7 +191,19 @@ impl Work<'_> {
             }
             (Ok(()), Stage::Points) => self.lift_sound(recording, seen, observer)?,
         };
-        Ok(observed)
+        Ok(Observed { masks, ..observed })
+    }
+
+    /// Share of the work on a raw recording that is over when it is prepared.
+    fn preparation(&self) -> f64 {
+        let settings = self.settings;
+        if settings.strokes.is_empty() && settings.calibration.board.is_none() {
+            0.0
+        } else if settings.until == Stage::Masks {
+            0.8
+        } else {
+            0.4
+        }
     }
 
     /// A recording that is sound enough, lifted.
@@ -241,6 +263,23 @@ fn called(error: capture::Error, path: &Path, name: &str) -> capture::Error {
         }
         RawOnly(_) => RawOnly(name.to_owned()),
         other => other,
+    }
+}
+
+/// Observer of a part of the work, whose progress is a range of the whole.
+struct Span<'a> {
+    range: Range<f64>,
+    observer: &'a mut dyn Observer<Progress>,
+}
+
+impl Observer<Progress> for Span<'_> {
+    fn progress(&mut self, Progress { step, fraction }: Progress) {
+        let Range { start, end } = self.range;
+        self.observer.progress(Progress { step, fraction: start + (end - start) * fraction });
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        self.observer.checkpoint(checkpoint)
     }
 }
 

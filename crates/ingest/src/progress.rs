@@ -5,6 +5,10 @@
 pub enum Step {
     /// Opening the capture.
     Read,
+    /// Measuring the poses of cameras with a board.
+    Calibrate,
+    /// Making masks of strokes.
+    Mask,
     /// Judging a raw recording.
     Inspect,
     /// Tracking points through the colour images, where the recording has no tracks.
@@ -24,6 +28,8 @@ impl Step {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Read => "read",
+            Self::Calibrate => "calibrate",
+            Self::Mask => "mask",
             Self::Inspect => "inspect",
             Self::Track => "track",
             Self::Lift => "lift",

@@ -49,10 +49,11 @@ pub(crate) fn inspect_with(
     let scans = scan(recording, thresholds, cancel, progress)?;
     let assessment = judge::judge(recording, &scans, settings, thresholds);
     let mut inspection = blank(recording);
-    inspection.add(assessment.findings);
     inspection.scene = assessment.scene;
     inspection.cameras = assessment.cameras;
+    inspection.add(assessment.findings);
     inspection.pairs = assessment.pairs;
+    inspection.corrections = assessment.corrections;
     inspection.picture_inputs = PictureInputs::of(recording, scans);
     Ok(inspection)
 }

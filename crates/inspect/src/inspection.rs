@@ -1,10 +1,14 @@
 //! The result of an inspection: measurements and findings.
 
-use bendtwin_capture::Sources;
+use bendtwin_capture::{
+    Sources,
+    raw::{Calibration, Pose, Recording},
+};
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use crate::{Finding, Verdict, consequences, finding, picture_inputs::PictureInputs};
+use crate::{Code, Finding, Verdict, alike, consequences, finding, picture_inputs::PictureInputs};
 
 /// The kind of capture that was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +40,13 @@ pub struct Inspection {
     /// What was taken as what, and what was left out.
     #[serde(default)]
     pub sources: Sources,
+    /// The calibration in use as its document (docs/formats/capture.md, section 14), if it is not the
+    /// recording's own.
+    #[serde(default)]
+    pub calibration: Option<Value>,
+    /// A ground that depth shows, where the recording states none or another one.
+    #[serde(default)]
+    pub ground_detected: Option<DetectedGround>,
     /// The scene as a whole.
     pub scene: Scene,
     /// The cameras of a recording.
@@ -44,9 +55,23 @@ pub struct Inspection {
     pub pairs: Vec<PairReport>,
     /// The points of an observed capture.
     pub observed: Option<ObservedReport>,
+    /// Corrections of cameras that are off; not part of the document.
+    #[serde(skip)]
+    pub(crate) corrections: Vec<(usize, Pose)>,
     /// Material for pictures; not part of the document.
     #[serde(skip)]
     pub(crate) picture_inputs: PictureInputs,
+}
+
+/// A plane that the cameras see, and that things may lie on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DetectedGround {
+    /// Unit normal, towards the cameras.
+    pub normal: Point,
+    /// Distance from the origin along the normal [m].
+    pub offset_m: f32,
+    /// Share of what is seen outside the masks that lies on it, 0..=1.
+    pub share: f64,
 }
 
 /// Size, height, motion and contact; absent where they could not be measured.
@@ -191,16 +216,20 @@ impl Inspection {
             verdict: Verdict::Good,
             findings: Vec::new(),
             sources: Sources::default(),
+            calibration: None,
+            ground_detected: None,
             scene: Scene::default(),
             cameras: Vec::new(),
             pairs: Vec::new(),
             observed: None,
+            corrections: Vec::new(),
             picture_inputs: PictureInputs::default(),
         }
     }
 
-    /// Adds findings that are not known yet, leaves out those that merely follow from others, gives
-    /// each the advice of its code, sorts them and judges again.
+    /// Adds findings that are not known yet, leaves out those that merely follow from others, joins
+    /// those that say the same of several cameras, gives each the advice of its code, sorts them and
+    /// judges again.
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         for finding in findings {
             let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
@@ -209,6 +238,8 @@ impl Inspection {
             }
         }
         consequences::leave_out(&mut self.findings);
+        let names: Vec<String> = self.cameras.iter().map(|camera| camera.name.clone()).collect();
+        alike::join(&mut self.findings, &names);
         self.settle();
     }
 
@@ -223,6 +254,27 @@ impl Inspection {
         finding::advise(&mut self.findings);
         finding::sort(&mut self.findings);
         self.verdict = Verdict::of(&self.findings);
+    }
+
+    /// The calibration in which every camera that is off ([`Code::CameraOff`]) stands where it agrees
+    /// with the others; `None` if no camera is off, or only so far that no motion was found.
+    pub fn correction(&self, recording: &Recording) -> Option<Calibration> {
+        let is_off = |camera: &usize| {
+            let named =
+                |f: &Finding| f.code == Code::CameraOff.name() && f.cameras.contains(camera);
+            self.findings.iter().any(named)
+        };
+        let mut calibration = Calibration::of(recording, "correction");
+        let mut corrected = false;
+        for (camera, motion) in self.corrections.iter().filter(|(camera, _)| is_off(camera)) {
+            let Some(pose) = calibration.cameras.get_mut(*camera).and_then(|c| c.pose.as_mut())
+            else {
+                continue;
+            };
+            *pose = motion.after(pose);
+            corrected = true;
+        }
+        corrected.then_some(calibration)
     }
 
     /// The finding to deal with first, if anything has to be done.

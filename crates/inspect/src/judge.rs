@@ -15,12 +15,13 @@ mod start;
 mod timing;
 mod tracks;
 
-use bendtwin_capture::raw::Recording;
+use bendtwin_capture::raw::{Pose, Recording};
 use bendtwin_core::settings::ingest::IngestSettings;
 
 use self::paths::Paths;
 use crate::{
     Finding,
+    alike::called,
     inspection::{CameraReport, PairReport, Scene},
     scan::CameraScan,
     thresholds::Thresholds,
@@ -45,6 +46,8 @@ pub(crate) struct Assessment {
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<CameraReport>,
     pub(crate) pairs: Vec<PairReport>,
+    /// Motions of the world that would bring cameras to where they stand, by index of the camera.
+    pub(crate) corrections: Vec<(usize, Pose)>,
 }
 
 /// Judges a scanned recording.
@@ -101,12 +104,7 @@ pub(crate) fn judge_unread(
 
 /// `camera 2 (front)`, or `camera 2` if its name is its number.
 pub(crate) fn named(recording: &Recording, index: usize) -> String {
-    match recording.cameras.get(index).map(|c| c.name.as_str()) {
-        Some(name) if !name.is_empty() && name != index.to_string() => {
-            format!("camera {index} ({name})")
-        }
-        _ => format!("camera {index}"),
-    }
+    called(index, recording.cameras.get(index).map_or("", |camera| &camera.name))
 }
 
 #[cfg(test)]

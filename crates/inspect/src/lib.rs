@@ -7,6 +7,7 @@
 //! [`inspect_observed()`] does what can be done for points that were lifted elsewhere. A [`Report`]
 //! is a JSON document and one page without scripts. [`Code`] has every code with what to do.
 
+mod alike;
 mod codes;
 mod consequences;
 mod consistency;
@@ -33,7 +34,8 @@ pub use self::{
     finding::Verdict,
     inspect::inspect,
     inspection::{
-        Agreement, CameraReport, Inspection, Kind, ObservedReport, PairReport, Scene, TrackReport,
+        Agreement, CameraReport, DetectedGround, Inspection, Kind, ObservedReport, PairReport,
+        Scene, TrackReport,
     },
     observed::inspect_observed,
     report::{FORMAT, Lifted, Report, VERSION},

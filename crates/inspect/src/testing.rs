@@ -39,6 +39,8 @@ pub(crate) struct TestScene {
     pub(crate) holes: f64,
     /// Travel of the object as a share of its default.
     pub(crate) travel: f64,
+    /// True if nobody masked the ball.
+    pub(crate) hidden_hand: bool,
     /// Distance between ball and object [m].
     pub(crate) standoff_m: f64,
     /// `None`: no tracks; true: tracks as row and column.
@@ -78,6 +80,7 @@ fn healthy_scene() -> TestScene {
         damaged: Vec::new(),
         holes: 0.02,
         travel: 1.0,
+        hidden_hand: false,
         standoff_m: 0.0,
         tracks: Some(false),
     }
@@ -111,6 +114,7 @@ fn camera(name: &str, azimuth_deg: f64) -> Camera {
             translation: eye,
         }],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

@@ -100,6 +100,7 @@ impl TestScene {
             distortion: self.distortion,
             poses: (0..count).map(pose).collect(),
             times_s: Vec::new(),
+            fps: None,
         }
     }
 

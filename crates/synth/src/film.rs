@@ -20,10 +20,14 @@ use bendtwin_mesh::{Mesh, Similarity, write_glb};
 
 use self::{lens::Reader, props::Prop};
 use super::{
-    MakeOptions, Scene,
+    MakeOptions, Scene, Substance,
+    hand::Hand,
     observe::{FPS, Performance, TRAIN_SHARE, perform, spread},
+    pose::{Pose, add, scale, smoothstep, sub, unit},
     scene,
+    sheet::Sheet,
     skin::Skin,
+    take,
     texture::normal,
 };
 use crate::Error;
@@ -43,8 +47,56 @@ pub struct FilmOptions {
     pub size: [usize; 2],
     /// `true` if a point tracker ran.
     pub tracks: bool,
+    /// Recording of the object, as [`MakeOptions::take`] counts them.
+    pub take: u32,
+    /// Material of the body.
+    pub material: Substance,
+    /// Angle by which all cameras are turned around the table [degrees].
+    pub turn_deg: f32,
     /// Mesh of the body that lies beside the recording.
     pub shape: Shape,
+    /// A printed sheet on the table, a board for calibrating say, in the middle of what the cameras see.
+    pub sheet: Option<Sheet>,
+    /// Hands in the scene.
+    pub hands: Hands,
+    /// Colours of things.
+    pub dyes: Dyes,
+    /// `true` if a block stands on the table that has nothing to do with the scene.
+    pub clutter: bool,
+    /// Factor of the depth's noise.
+    pub noise: f32,
+}
+
+/// Hands in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hands {
+    /// The one that holds the body.
+    One,
+    /// A second one that holds the body elsewhere and moves with the first.
+    Two,
+    /// A second one that comes from outside while the body is moved, and touches it.
+    Joining,
+}
+
+/// Colours of things: red, green and blue of each, 0..=1, and how much their patches differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dyes {
+    /// The body.
+    pub body: ([f32; 3], f32),
+    /// Hands and forearms.
+    pub hand: ([f32; 3], f32),
+    /// The table.
+    pub table: ([f32; 3], f32),
+}
+
+impl Default for Dyes {
+    fn default() -> Self {
+        Self {
+            body: ([0.62, 0.42, 0.3], 0.42),
+            hand: ([0.85, 0.62, 0.5], 0.12),
+            table: ([0.5, 0.53, 0.56], 0.07),
+        }
+    }
 }
 
 /// The mesh that lies beside a recording.
@@ -68,7 +120,15 @@ impl FilmOptions {
             cameras: 3,
             size: [424, 240],
             tracks: true,
+            take: 0,
+            material: Substance::Foam,
+            turn_deg: 0.0,
             shape: Shape::Aligned,
+            sheet: None,
+            hands: Hands::One,
+            dyes: Dyes::default(),
+            clutter: false,
+            noise: 1.0,
         }
     }
 
@@ -99,9 +159,15 @@ pub fn film_with(
         seed: options.seed,
         frames: options.frames,
         tiny: options.tiny,
-        ..MakeOptions::default()
+        take: options.take,
+        material: options.material,
     };
-    let setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
+    let mut setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
+    take::vary(&mut setup, scene, options.take);
+    let second = (options.hands != Hands::One).then(|| setup.other_hand(scene));
+    if options.hands == Hands::Two {
+        setup.second = second.clone();
+    }
     let Performance { poses, trajectory } = perform(&setup, backend)?;
     let skin = Skin::of(&setup.body, setup.distance);
     let n = setup.body.node_count().max(1);
@@ -115,11 +181,14 @@ pub fn film_with(
     let cameras = around(options, frame_count);
     let mesh = shape(options.shape, &skin, bodies.first());
     let body = Prop { rest: skin.rest, triangles: skin.triangles };
+    let actors = actors(options.hands, setup.hand.clone(), second, &poses, |hand| {
+        let held = setup.body.within(|p| hand.holds(p));
+        trajectory.chunks_exact(n).map(|row| mean(held.iter().map(|i| row[*i as usize]))).collect()
+    });
     let stage = Stage {
-        props: props::assemble(body, &setup.hand),
+        props: props::assemble(body, &actors, options.clutter),
         bodies,
-        poses,
-        grasp: setup.hand.grasp,
+        actors,
         cameras: cameras.clone(),
         options: options.clone(),
     };
@@ -147,11 +216,56 @@ struct Stage {
     props: props::Props,
     /// Vertices of the body in each frame.
     bodies: Vec<Vec<Point>>,
-    poses: Vec<super::pose::Pose>,
-    /// The pivot of the hand.
-    grasp: Point,
+    actors: Vec<Actor>,
     cameras: Vec<Camera>,
     options: FilmOptions,
+}
+
+/// A hand and its motion.
+#[derive(Clone, Debug)]
+struct Actor {
+    hand: Hand,
+    /// Its pose in each frame, about its grasp.
+    poses: Vec<Pose>,
+}
+
+/// Distance from which a joining hand comes [m], and when it begins to come and arrives, as shares of
+/// the recording.
+const COMES_FROM_M: f32 = 0.35;
+const COMES: [f32; 2] = [0.2, 0.55];
+
+/// The hands with their motions; `places` gives the place of a hand's grasp on the body in each frame.
+fn actors(
+    hands: Hands,
+    first: Hand,
+    second: Option<Hand>,
+    poses: &[Pose],
+    places: impl Fn(&Hand) -> Vec<Point>,
+) -> Vec<Actor> {
+    let mut actors = vec![Actor { hand: first, poses: poses.to_vec() }];
+    if let Some(hand) = second {
+        let poses = match hands {
+            Hands::Joining => {
+                let places = places(&hand);
+                let [comes, arrives] = COMES.map(|share| share * places.len() as f32);
+                let pose = |(frame, place): (usize, &Point)| {
+                    let near = smoothstep((frame as f32 - comes) / (arrives - comes).max(1.0));
+                    let away = scale(unit(hand.forearm), COMES_FROM_M * (1.0 - near));
+                    Pose::new(0.0, 0.0, sub(add(*place, away), hand.grasp))
+                };
+                places.iter().enumerate().map(pose).collect()
+            }
+            _ => poses.to_vec(),
+        };
+        actors.push(Actor { hand, poses });
+    }
+    actors
+}
+
+/// Mean of points; the origin if there are none.
+fn mean(points: impl Iterator<Item = Point>) -> Point {
+    let (sum, count) = points.fold(([0.0; 3], 0), |(sum, n), p| (add(sum, p), n + 1));
+    scale(sum, 1.0 / (count.max(1) as f32))
 }
 
 impl Source for Stage {
@@ -201,11 +315,12 @@ fn around(options: &FilmOptions, frame_count: usize) -> Vec<Camera> {
             distortion: Distortion::None,
             poses: vec![place.pose()],
             times_s: (0..frame_count).map(time).collect(),
+            fps: None,
         }
     };
     let count = options.cameras.clamp(1, OFFSETS.len());
     let places = OFFSETS.iter().take(count).enumerate().map(|(index, [turn, far, above])| {
-        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn;
+        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn + options.turn_deg;
         let (s, c) = degrees.to_radians().sin_cos();
         let [x, y, z] = TARGET;
         let out = 0.85 * far;

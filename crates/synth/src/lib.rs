@@ -16,6 +16,7 @@ mod observe;
 mod pose;
 mod raster;
 mod scene;
+mod sheet;
 mod simulate;
 mod skin;
 mod take;
@@ -27,7 +28,8 @@ use bendtwin_engine::Backend;
 
 pub use self::{
     error::Error,
-    film::{FilmOptions, Shape, film, film_with},
+    film::{Dyes, FilmOptions, Hands, Shape, film, film_with},
+    sheet::{Sheet, SheetFilm, film_sheet},
 };
 
 /// Scene that is recorded.

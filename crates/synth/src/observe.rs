@@ -116,9 +116,14 @@ pub(super) fn perform(setup: &Setup, backend: &dyn Backend) -> Result<Performanc
     let body = &setup.body;
     let poses: Vec<Pose> =
         (0..setup.frames).map(|f| (setup.motion)(f as f32 / FPS as f32)).collect();
-    let held = body.within(|p| setup.hand.holds(p));
+    let hands = || [Some(&setup.hand), setup.second.as_ref()].into_iter().flatten();
+    let held = body.within(|p| hands().any(|hand| hand.holds(p)));
     let path = poses.iter().flat_map(|pose| {
-        held.iter().map(|h| pose.carry(setup.hand.grasp, body.positions[*h as usize]))
+        held.iter().map(|h| {
+            let p = body.positions[*h as usize];
+            let holder = hands().find(|hand| hand.holds(p)).unwrap_or(&setup.hand);
+            pose.carry(holder.grasp, p)
+        })
     });
     let specimen = Specimen {
         rest: &body.positions,

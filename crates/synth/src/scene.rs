@@ -20,6 +20,8 @@ pub(super) struct Setup {
     pub(super) distance: fn(Point) -> f32,
     pub(super) material: Material,
     pub(super) hand: Hand,
+    /// Another hand that holds the body and moves as the first does.
+    pub(super) second: Option<Hand>,
     /// The hand's pose at a time [s].
     pub(super) motion: fn(f32) -> Pose,
     pub(super) frames: usize,
@@ -29,6 +31,19 @@ pub(super) struct Setup {
     pub(super) interior: usize,
     pub(super) truth: usize,
     pub(super) controls: usize,
+}
+
+impl Setup {
+    /// A second hand at the far side of the body.
+    pub(super) fn other_hand(&self, scene: Scene) -> Hand {
+        let [x, y, z] = self.hand.grasp;
+        let length = self.body.positions.iter().map(|p| p[0]).fold(f32::MIN, f32::max);
+        let (grasp, forearm) = match scene {
+            Scene::Toy => ([-0.05, 0.0, 0.055], [-0.7, 0.0, 1.0]),
+            _ => ([length - x, y, z], [1.0, 0.0, 0.5]),
+        };
+        Hand { grasp, forearm, size: self.hand.size }
+    }
 }
 
 /// Parts of a scene; `None` if no camera sees it.
@@ -105,6 +120,7 @@ fn rope(options: &MakeOptions) -> Setup {
             size: [0.032, 0.022, 0.022],
             forearm: [-1.0, 0.0, 0.5],
         },
+        second: None,
         body,
         distance: rope_distance,
         material,
@@ -143,6 +159,7 @@ fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &str) -> Setup {
             size: [0.032, 0.036, 0.8 * thickness],
             forearm: [-1.0, 0.0, 0.5],
         },
+        second: None,
         body,
         distance: bar_distance::<THICKNESS_MM>,
         material,
@@ -196,6 +213,7 @@ fn ring(options: &MakeOptions) -> Setup {
             size: [0.026, 0.034, 0.026],
             forearm: [-1.0, 0.0, 0.5],
         },
+        second: None,
         body,
         distance: ring_distance,
         material,
@@ -227,6 +245,7 @@ fn toy(options: &MakeOptions) -> Setup {
             size: [0.026, 0.034, 0.034],
             forearm: [0.7, 0.0, 1.0],
         },
+        second: None,
         body,
         distance: toy_distance,
         material,

@@ -66,6 +66,9 @@ pub fn all() -> Vec<Broken> {
         footage("OpenGL's camera axes", "EXTRINSICS_AXES", |f| {
             each_pose(f, |p| Pose { rotation: p.rotation.map(|[x, y, z]| [x, -y, -z]), ..p });
         }),
+        footage("the axes of a robot's body", "EXTRINSICS_AXES", |f| {
+            each_pose(f, |p| Pose { rotation: p.rotation.map(|[x, y, z]| [z, -x, -y]), ..p });
+        }),
         footage("a camera that looks the other way", "CAMERA_OFF", |f| {
             turn_camera(f, 2, std::f64::consts::PI);
         }),

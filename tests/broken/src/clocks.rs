@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::{
     Broken,
-    Expected::Found,
+    Expected::{Found, Sound},
     Make, broken,
     footage::{FRAMES, Footage},
 };
@@ -37,6 +37,20 @@ fn frames() -> Vec<Broken> {
         }),
         footage("one camera at half the rate", "FRAMES_DUPLICATED", |f| {
             f.retime(2, |frame| Some(frame / 2 * 2));
+        }),
+        broken(
+            "one camera at half the rate, with gaps",
+            Sound("CAMERA_SLOWER"),
+            Make::Footage(|f| f.retime(2, |frame| frame.is_multiple_of(2).then_some(frame))),
+        ),
+        broken(
+            "one camera at two thirds of the rate, with gaps",
+            Sound("CAMERA_SLOWER"),
+            Make::Footage(|f| f.retime(1, |frame| (frame % 3 != 1).then_some(frame))),
+        ),
+        footage("a clock that runs fast", "CLOCKS_DRIFT", |f| {
+            f.about.cameras.iter_mut().for_each(|c| c.times_s.clear());
+            f.retime(1, |frame| Some((frame * 8 / 7).min(FRAMES - 1)));
         }),
         footage("frames in the order of their names", "MOTION_TOO_FAST", |f| {
             // 0, 1, 10, 11, ..., 19, 2, 20, ...

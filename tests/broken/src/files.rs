@@ -108,6 +108,9 @@ pub fn all() -> Vec<Broken> {
     all
 }
 
+/// What Git leaves of a file that was not fetched.
+const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+
 fn descriptions() -> Vec<Broken> {
     let case = |name, reason, change| broken(name, Refused(reason), Make::Case(change));
     vec![
@@ -138,11 +141,21 @@ fn descriptions() -> Vec<Broken> {
         case("a thousand cameras", "CAPTURE_TOO_MANY", |f| {
             redescribe(f, |about| about.cameras = vec![about.cameras[0].clone(); 1000]);
         }),
-        case("no calibration", "MISSING_FILE", |f| drop(f.remove("calibrate.pkl"))),
         case("a calibration that was cut off", "FILE_DAMAGED", |f| cut(f, "calibrate.pkl")),
         case("a calibration that calls a function", "PICKLE_GLOBAL_REFUSED", |f| {
             let call = b"\x80\x03cos\nsystem\nX\x04\x00\x00\x00true\x85R.".to_vec();
             f.insert("calibrate.pkl".to_owned(), call);
+        }),
+        case("pointers of Git LFS for images", "FORMAT_NOT_READ", |f| {
+            for (_, bytes) in f.iter_mut().filter(|(name, _)| name.ends_with(".png")) {
+                *bytes = POINTER.to_vec();
+            }
+        }),
+        case("a pointer of Git LFS for a calibration", "FORMAT_NOT_READ", |f| {
+            f.insert("calibrate.pkl".to_owned(), POINTER.to_vec());
+        }),
+        case("a web page for a description", "FORMAT_NOT_READ", |f| {
+            f.insert("metadata.json".to_owned(), b"<!doctype html><p>Sign in".to_vec());
         }),
         case("a calibration of nested lists", "PICKLE_REFUSED", |f| {
             let nested = [vec![b']'; 5000], vec![b'a'; 4999], vec![b'.']].concat();

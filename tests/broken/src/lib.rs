@@ -1,8 +1,9 @@
-//! Recordings with one fault each, and the diagnosis expected of each.
+//! Recordings with one fault each, and the diagnosis expected of each; and healthy ones of many kinds
+//! ([`healthy`]), which have none.
 //!
 //! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
-//! data ([`footage`]), in files ([`files`]) and their names ([`naming`]), and in archives
-//! ([`archives`]). A user of this crate
+//! data ([`footage`]), in files ([`files`]), their names ([`naming`]) and masks ([`masks`]), in
+//! archives ([`archives`]), and in recordings of robots ([`robots`]). A user of this crate
 //! calls [`Broken::make`] and compares the diagnosis with the expected one.
 
 pub mod archives;
@@ -11,7 +12,10 @@ pub mod clocks;
 pub mod files;
 pub mod footage;
 pub mod grids;
+pub mod healthy;
+pub mod masks;
 pub mod naming;
+pub mod robots;
 pub mod starts;
 pub mod streams;
 
@@ -67,6 +71,8 @@ enum Make {
     Archive(fn(&files::FileMap) -> Vec<u8>),
     /// Changes a folder with a case.
     Folder(fn(&std::path::Path)),
+    /// Changes messages of a robot's recording.
+    Robot(fn(&mut robots::Robot)),
     /// Changes the camera data.
     Footage(fn(&mut Footage)),
 }
@@ -79,6 +85,7 @@ impl Broken {
             Make::Bundle(change) => files::stored(files::bundle(), change),
             Make::Archive(pack) => archives::stored(&pack(files::case())),
             Make::Folder(change) => files::changed_folder(change),
+            Make::Robot(change) => robots::stored(change),
             Make::Footage(change) => {
                 let mut footage = footage::healthy();
                 change(&mut footage);
@@ -98,6 +105,8 @@ pub fn all() -> Vec<Broken> {
         starts::all(),
         files::all(),
         naming::all(),
+        masks::all(),
+        robots::all(),
         archives::all(),
     ]
     .concat()

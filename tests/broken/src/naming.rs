@@ -2,14 +2,14 @@
 
 use crate::{
     Broken,
-    Expected::{Refused, Sound},
+    Expected::{Found, Refused, Sound},
     Make, broken,
     files::{FileMap, bundle, npy, reword},
 };
 
 /// All recordings of this kind.
 pub fn all() -> Vec<Broken> {
-    [numbers(), images(), labels()].concat()
+    [numbers(), images(), labels(), rigs()].concat()
 }
 
 fn read(name: &'static str, code: &'static str, change: fn(&mut FileMap)) -> Broken {
@@ -91,6 +91,141 @@ fn images() -> Vec<Broken> {
             f.insert("metadata.json".to_owned(), wide.flat_map(u16::to_le_bytes).collect());
         }),
     ]
+}
+
+/// Cameras, folders and units of other rigs.
+fn rigs() -> Vec<Broken> {
+    vec![
+        read("a camera of half the rate", "CAMERA_SLOWER", |f| {
+            reword(f, "\"frame_num\":36,", "");
+            reword(f, "\"fps\":30.0", "\"fps\":[30, 15, 30]");
+            at_half_rate(f);
+        }),
+        broken(
+            "a camera of half the rate that nothing tells",
+            Found("CAMERA_RATE_UNCLEAR"),
+            Make::Case(|f| {
+                reword(f, "\"frame_num\":36,", "");
+                at_half_rate(f);
+            }),
+        ),
+        read("a camera that began three frames late", "FRAMES_SHARED", |f| {
+            reword(f, "\"fps\"", "\"frame_offsets\":[0, 3, 0],\"fps\"");
+            reword(f, "\"frame_num\":36,", "");
+            f.remove("gt_track_3d.pkl");
+            f.remove("cotracker/1.npz");
+            let later = std::mem::take(f).into_iter().filter_map(|(name, bytes)| {
+                let number = name.rsplit_once('/').filter(|_| of_camera_1(&name));
+                let Some((folder, file)) = number else { return Some((name, bytes)) };
+                let (number, ending) = file.split_once('.')?;
+                let number = number.parse::<u64>().ok()?.checked_sub(3)?;
+                Some((format!("{folder}/{number}.{ending}"), bytes))
+            });
+            f.extend(later);
+        }),
+        refused("cameras without a frame in common", "LENGTH_MISMATCH", |f| {
+            reword(f, "\"fps\"", "\"frame_offsets\":[0, 90, 0],\"fps\"");
+        }),
+        refused("the units in a metre for a unit", "INVALID_DOCUMENT", |f| {
+            reword(f, "\"fps\"", "\"depth_scale\":1000,\"fps\"");
+        }),
+        refused("pictures of depth", "WRONG_DTYPE", |f| {
+            let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (120, 160), }";
+            for (_, bytes) in f.iter_mut().filter(|(name, _)| name.starts_with("depth/")) {
+                *bytes = npy(header, &vec![90; 160 * 120]);
+            }
+        }),
+        refused("colour that is to be shown upside down", "IMAGE_TURNED", |f| {
+            for (_, bytes) in f.iter_mut().filter(|(name, _)| name.starts_with("color/2/")) {
+                orient(bytes, 3);
+            }
+        }),
+        read("colour that its size shows to be upright", "IMAGE_TURNED", |f| {
+            for (_, bytes) in f.iter_mut().filter(|(name, _)| name.starts_with("color/2/")) {
+                orient(bytes, 6);
+            }
+        }),
+        read("folders by serial numbers", "MASK_LABELS", |f| {
+            place(f, |kind, camera, rest| format!("{kind}/02362227088{camera}/{rest}"));
+            let text = String::from_utf8_lossy(&f["metadata.json"]).into_owned();
+            let (before, rest) = text.split_once("\"serial_numbers\":[").expect("it has them");
+            let (_, after) = rest.split_once(']').expect("they end");
+            let serials = (0..3).map(|c| format!("\"02362227088{c}\"")).collect::<Vec<_>>();
+            let text = format!("{before}\"serial_numbers\":[{}]{after}", serials.join(","));
+            f.insert("metadata.json".to_owned(), text.into_bytes());
+        }),
+        read("a folder for each camera", "MASK_LABELS", |f| {
+            place(f, |kind, camera, rest| format!("cam{camera}/{kind}/{rest}"));
+        }),
+        read("folders of cameras that are counted from 1", "CAMERAS_BY_ORDER", |f| {
+            place(f, |kind, camera, rest| format!("{kind}/cam{}/{rest}", camera + 1));
+        }),
+        refused("a folder of depth that is not there", "INVALID_DOCUMENT", |f| {
+            reword(f, "\"fps\"", "\"depth_folder\":\"depth_ffs\",\"fps\"");
+        }),
+        refused("the place of a depth camera without its lens", "INVALID_DOCUMENT", |f| {
+            reword(f, "\"fps\"", "\"depth_pose\":[[1,0,0,0],[0,1,0,0],[0,0,1,0]],\"fps\"");
+        }),
+        broken(
+            "the place of a depth camera in millimetres",
+            Refused("INVALID_CAMERA"),
+            Make::Case(|f| {
+                let lens = "[[150,0,80],[0,150,60],[0,0,1]]";
+                let pose = "[[1,0,0,15],[0,1,0,0],[0,0,1,0]]";
+                let keys = format!("\"depth_intrinsics\":{lens},\"depth_pose\":{pose},\"fps\"");
+                reword(f, "\"fps\"", &keys);
+            }),
+        ),
+    ]
+}
+
+/// Every second image of camera 1, numbered one after another.
+fn at_half_rate(files: &mut FileMap) {
+    files.remove("cotracker/1.npz");
+    let halved = std::mem::take(files).into_iter().filter_map(|(name, bytes)| {
+        let image = name.rsplit_once('/').filter(|_| of_camera_1(&name));
+        let Some((folder, file)) = image else { return Some((name, bytes)) };
+        let (number, ending) = file.split_once('.')?;
+        let number = number.parse::<u64>().ok()?;
+        (number % 2 == 0).then(|| (format!("{folder}/{}.{ending}", number / 2), bytes))
+    });
+    files.extend(halved);
+}
+
+fn of_camera_1(name: &str) -> bool {
+    ["color/1/", "depth/1/", "mask/1/"].iter().any(|folder| name.starts_with(folder))
+}
+
+/// Other places for colour and depth, by kind, camera and the rest of the name.
+fn place(files: &mut FileMap, to: impl Fn(&str, usize, &str) -> String) {
+    let moved = std::mem::take(files).into_iter().map(|(name, bytes)| {
+        let parts: Vec<&str> = name.splitn(3, '/').collect();
+        let new = match parts.as_slice() {
+            [kind @ ("color" | "depth"), camera, rest] => {
+                camera.parse().ok().map(|camera| to(kind, camera, rest))
+            }
+            _ => None,
+        };
+        (new.unwrap_or(name), bytes)
+    });
+    files.extend(moved);
+}
+
+/// Makes a PNG declare an orientation, in a chunk after its header.
+fn orient(image: &mut Vec<u8>, orientation: u8) {
+    let mut exif = b"MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".to_vec();
+    exif.extend([orientation, 0, 0, 0, 0, 0, 0]);
+    let mut chunk = (exif.len() as u32).to_be_bytes().to_vec();
+    chunk.extend(b"eXIf");
+    chunk.extend(&exif);
+    let sum = !chunk[4..].iter().fold(!0_u32, |crc, b| {
+        (0..8).fold(
+            crc ^ u32::from(*b),
+            |c, _| if c & 1 == 1 { (c >> 1) ^ 0xEDB8_8320 } else { c >> 1 },
+        )
+    });
+    chunk.extend(sum.to_be_bytes());
+    image.splice(33..33, chunk);
 }
 
 fn labels() -> Vec<Broken> {

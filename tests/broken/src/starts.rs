@@ -53,8 +53,14 @@ fn objects() -> Vec<Broken> {
         footage("no mask of the object in the first frame", "OBJECT_NOT_TRACKED", |f| {
             hide_object(f, 0..3, 0..1);
         }),
-        footage("masks of the object in the first frame only", "OBJECT_MASK_EMPTY", |f| {
+        footage("masks of the object in the first frame only", "MASKS_NOT_FOLLOWED", |f| {
             hide_object(f, 0..3, 1..FRAMES);
+        }),
+        footage("one mask for each camera, as a click leaves it", "MASKS_NOT_FOLLOWED", |f| {
+            for reel in &mut f.reels {
+                reel.object[1..].fill(None);
+                reel.hand[1..].fill(None);
+            }
         }),
         footage("an object that is lost half-way", "OBJECT_MASK_EMPTY", |f| {
             hide_object(f, 0..3, FRAMES / 2..FRAMES);

@@ -6,7 +6,7 @@ use bendtwin_capture::raw::Mask;
 
 use crate::{
     Broken,
-    Expected::{Found, Noticed},
+    Expected::{Found, Noticed, Sound},
     Make, broken,
     footage::{FRAMES, Footage},
 };
@@ -28,6 +28,11 @@ fn time() -> Vec<Broken> {
         footage("a quarter of all frames dropped", "FRAMES_DROPPED", |f| {
             (0..3).for_each(|c| f.retime(c, |frame| ((frame + c) % 4 != 2).then_some(frame)));
         }),
+        broken(
+            "a camera of half the rate, with gaps",
+            Sound("CAMERA_SLOWER"),
+            Make::Footage(|f| f.retime(1, |frame| (frame % 2 == 0).then_some(frame))),
+        ),
         footage("frames repeated where others were dropped", "FRAMES_DUPLICATED", |f| {
             f.retime(2, |frame| Some(if frame % 4 == 3 { frame - 1 } else { frame }));
         }),

@@ -83,8 +83,9 @@ fn contradiction(recording: &Recording, seen: &Inspection) -> Option<String> {
 
 /// Faults with which nothing can be lifted, which lifting sees by their effect: numbers that are no
 /// camera's, units with which all depth is out of range, masks of nothing, tracks of another place.
-const UPSTREAM: [&str; 14] = [
+const UPSTREAM: [&str; 15] = [
     "CAMERA_EMPTY",
+    "CAMERA_RATE_UNCLEAR",
     "DEPTH_EMPTY",
     "DEPTH_UNITS",
     "FPS_INVALID",

@@ -42,6 +42,18 @@ pub fn transforms(data: &[u8]) {
     recordings::expect_sound(&archives::with(files, "transforms.json", data.to_vec()));
 }
 
+/// Masks of a camera, of all frames and of one.
+pub fn masks(data: &[u8]) {
+    for archive in bendtwin_hostile::masks::capture(data.to_vec()) {
+        recordings::expect_sound(&archive);
+    }
+}
+
+/// `metadata.json` of a raw PhysTwin case, beside images.
+pub fn metadata(data: &[u8]) {
+    recordings::expect_sound(&archives::with(samples::raw_case(), "metadata.json", data.to_vec()));
+}
+
 /// An array of numpy, also as depth on the grids of an ordinary and of a flat image.
 pub fn npy(data: &[u8]) {
     let limits = limits();

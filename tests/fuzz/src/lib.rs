@@ -6,7 +6,9 @@
 //! add one.
 
 pub mod archives;
+pub mod calibrations;
 pub mod images;
+pub mod markers;
 pub mod meshes;
 pub mod recordings;
 pub mod requests;
@@ -28,13 +30,18 @@ pub struct Target {
 
 /// All targets, by name.
 pub const TARGETS: &[Target] = &[
+    Target { name: "calibration", run: calibrations::calibration, seeds: seeds::calibration },
     Target { name: "case", run: archives::case, seeds: seeds::case },
     Target { name: "checkpoint", run: twins::checkpoint, seeds: seeds::checkpoint },
+    Target { name: "colmap", run: calibrations::colmap, seeds: seeds::colmap },
     Target { name: "glb", run: meshes::glb, seeds: seeds::glb },
     Target { name: "jpeg", run: images::jpeg, seeds: seeds::jpeg },
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },
+    Target { name: "markers", run: markers::markers, seeds: seeds::markers },
+    Target { name: "masks", run: archives::masks, seeds: seeds::masks },
     Target { name: "mcap", run: recordings::mcap, seeds: seeds::mcap },
+    Target { name: "metadata", run: archives::metadata, seeds: seeds::metadata },
     Target { name: "npy", run: archives::npy, seeds: seeds::npy },
     Target { name: "obj", run: meshes::obj, seeds: seeds::obj },
     Target { name: "pickle", run: archives::pickle, seeds: seeds::pickle },
@@ -53,6 +60,7 @@ pub const TARGETS: &[Target] = &[
         run: requests::rollout_message,
         seeds: seeds::rollout_message,
     },
+    Target { name: "ros_image", run: recordings::ros_image, seeds: seeds::ros_image },
     Target { name: "settings", run: requests::settings, seeds: seeds::settings },
     Target { name: "splats", run: splats::splats, seeds: seeds::splats },
     Target { name: "tar", run: archives::tar, seeds: seeds::tar },

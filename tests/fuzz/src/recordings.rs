@@ -3,7 +3,10 @@
 use std::io::Write as _;
 
 use bendtwin_capture::raw::{self, Recording, Region};
-use bendtwin_hostile::recordings::{chunk, of_chunk};
+use bendtwin_hostile::{
+    messages,
+    recordings::{chunk, of_chunk},
+};
 use tempfile::NamedTempFile;
 
 use crate::limits;
@@ -14,6 +17,13 @@ const FRAMES: usize = 3;
 /// An MCAP file.
 pub fn mcap(data: &[u8]) {
     expect_sound(data);
+}
+
+/// Images of ROS 2 in an MCAP file: a byte that says in which encoding, and their data.
+pub fn ros_image(data: &[u8]) {
+    if let Some(file) = messages::of_bytes(data) {
+        expect_sound(&file);
+    }
 }
 
 /// A chunk of an MCAP file in frames of LZ4: four bytes of the size that it claims, and the rest.

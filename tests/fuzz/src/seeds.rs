@@ -3,8 +3,8 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
-    splats, torch_files, twin_files,
+    Fault, Rng, arrays, calibrations, damage, documents, images, markers, masks as mask_files,
+    meshes, messages, pickles, recordings, requests, samples, splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
 use prost::Message as _;
@@ -81,6 +81,11 @@ pub(crate) fn npy() -> Vec<Vec<u8>> {
     with_faults(vec![arrays::valid(), file(samples::raw_case(), "depth/0/1.npy")], arrays::FAULTS)
 }
 
+pub(crate) fn masks() -> Vec<Vec<u8>> {
+    let images = [samples::png(), samples::jpeg()];
+    with_faults([mask_files::valid(), images.to_vec()].concat(), mask_files::FAULTS)
+}
+
 pub(crate) fn manifest() -> Vec<Vec<u8>> {
     let documents = [samples::observation(), samples::raw_bundle()];
     with_damage(documents.map(|files| file(files, "capture.json")).to_vec())
@@ -88,6 +93,10 @@ pub(crate) fn manifest() -> Vec<Vec<u8>> {
 
 pub(crate) fn transforms() -> Vec<Vec<u8>> {
     with_damage(vec![documents::transforms()])
+}
+
+pub(crate) fn metadata() -> Vec<Vec<u8>> {
+    with_damage(documents::metadata())
 }
 
 pub(crate) fn png() -> Vec<Vec<u8>> {
@@ -101,7 +110,12 @@ pub(crate) fn jpeg() -> Vec<Vec<u8>> {
 pub(crate) fn mcap() -> Vec<Vec<u8>> {
     let [lz4, zstd] = samples::mcap();
     let plain = recordings::file(&recordings::records(&lz4));
-    with_faults(vec![lz4, zstd, plain], recordings::FAULTS)
+    let faults = [recordings::FAULTS, messages::FAULTS].concat();
+    with_faults(vec![lz4, zstd, plain], &faults)
+}
+
+pub(crate) fn ros_image() -> Vec<Vec<u8>> {
+    with_damage(messages::valid())
 }
 
 pub(crate) fn lz4() -> Vec<Vec<u8>> {
@@ -124,6 +138,10 @@ fn packed(compression: &str) -> Vec<Vec<u8>> {
     [chunks.to_vec(), damaged].concat()
 }
 
+pub(crate) fn markers() -> Vec<Vec<u8>> {
+    with_faults(markers::all(), markers::FAULTS)
+}
+
 pub(crate) fn glb() -> Vec<Vec<u8>> {
     with_faults(vec![meshes::glb()], meshes::GLB)
 }
@@ -136,9 +154,24 @@ pub(crate) fn ply() -> Vec<Vec<u8>> {
     with_faults(vec![meshes::PLY_TEXT.to_vec(), meshes::binary_ply()], meshes::PLY)
 }
 
+pub(crate) fn calibration() -> Vec<Vec<u8>> {
+    let texts = [calibrations::JSON, calibrations::KALIBR, calibrations::OPENCV, calibrations::XML];
+    with_faults(texts.map(|text| text.as_bytes().to_vec()).to_vec(), calibrations::FAULTS)
+}
+
+pub(crate) fn colmap() -> Vec<Vec<u8>> {
+    let texts = [
+        "1 PINHOLE 640 480 600 600 320 240\n",
+        "1 1 0 0 0 0.1 0.2 0.3 1 0/0.png\n1 2 1 3 4 -1\n",
+        "1 0 0 1 1 2 3 0.5 1 0\n",
+    ];
+    let valid = calibrations::parts().into_iter().chain(texts.map(|t| t.as_bytes().to_vec()));
+    with_faults(valid.collect(), calibrations::MODELS)
+}
+
 pub(crate) fn splats() -> Vec<Vec<u8>> {
     let spz = |version| splats::spz(version, 3, &splats::body(version));
-    with_faults(vec![splats::ply(), spz(2), spz(3)], splats::FAULTS)
+    with_faults(vec![splats::ply(), spz(2), spz(3), splats::spz_4(3, 1, 12)], splats::FAULTS)
 }
 
 pub(crate) fn twin() -> Vec<Vec<u8>> {

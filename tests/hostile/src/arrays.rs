@@ -61,8 +61,13 @@ const HUGE: &[&str] = &[
 
 /// An .npy file with this header and `bytes` zero bytes.
 pub fn array(descr: &str, shape: &str, bytes: usize) -> Vec<u8> {
+    with_data(descr, shape, &vec![0; bytes])
+}
+
+/// An .npy file with this header and these bytes.
+pub fn with_data(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
-    file(&header, &vec![0; bytes])
+    file(&header, data)
 }
 
 fn file(header: &str, data: &[u8]) -> Vec<u8> {

@@ -12,6 +12,7 @@ pub const IN_CAPTURES: &[Fault] = &[
     Fault { what: "a document of nested brackets", make: |rng| put(rng, brackets) },
     Fault { what: "a document without end", make: |rng| put(rng, long) },
     Fault { what: "a document for another reader", make: nerfstudio },
+    Fault { what: "a document of a rig", make: rig },
 ];
 
 /// Another value for a number, or for a word, of a document.
@@ -102,6 +103,45 @@ pub fn transforms() -> Vec<u8> {
     })
     .to_string()
     .into_bytes()
+}
+
+/// Valid documents of a raw case, for the images of the recording: of cameras of different rates, with
+/// depth of another camera, and with times.
+pub fn metadata() -> Vec<Vec<u8>> {
+    let lens = serde_json::json!([[20.0, 0, 7.5], [0, 20.0, 5.5], [0, 0, 1]]);
+    let with = |more: serde_json::Value| {
+        let mut all =
+            serde_json::json!({"intrinsics": [lens, lens], "WH": samples::SIZE, "fps": 30.0});
+        if let (Some(all), serde_json::Value::Object(more)) = (all.as_object_mut(), more) {
+            all.extend(more);
+        }
+        all.to_string().into_bytes()
+    };
+    let times = |late: f64| {
+        let time = |frame: usize| (frame.to_string(), (100.0 + late + frame as f64 / 30.0).into());
+        serde_json::Value::Object((0..samples::FRAMES).map(time).collect())
+    };
+    vec![
+        with(
+            serde_json::json!({"fps": [30, 15], "frame_offsets": [0, 1], "serial_numbers": [1, "b"]}),
+        ),
+        with(serde_json::json!({
+            "depth_intrinsics": lens, "depth_pose": [[1, 0, 0, 0.05], [0, 1, 0, 0], [0, 0, 1, 0]],
+            "depth_size": [8, 6], "depth_distortion": [0.1, 0, 0, 0], "depth_unit_m": [0.001, 0.0001],
+        })),
+        with(serde_json::json!({
+            "recording": {"0": times(0.0), "1": times(0.01)}, "image_orientation": "shown",
+            "depth_folder": "depth",
+        })),
+    ]
+}
+
+/// The images of the recording under a faulty `metadata.json`.
+fn rig(rng: &mut Rng) -> Vec<u8> {
+    let change = [damage::any, numbers, form, brackets][rng.random_range(0..4)];
+    let documents = metadata();
+    let text = change(rng, &documents[rng.random_range(0..documents.len())]);
+    archives::with(samples::raw_case(), "metadata.json", text)
 }
 
 /// The images of the recording under a faulty `transforms.json`.

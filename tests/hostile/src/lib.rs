@@ -2,17 +2,22 @@
 //! or mean harm.
 //!
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
-//! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`meshes`],
-//! [`splats`], [`documents`], [`twin_files`], [`torch_files`], [`requests`]), or damage to its bytes
+//! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`markers`],
+//! [`meshes`], [`splats`], [`documents`], [`masks`], [`calibrations`], [`twin_files`],
+//! [`torch_files`], [`requests`]), or damage to its bytes
 //! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
 
 pub mod archives;
 pub mod arrays;
+pub mod calibrations;
 pub mod damage;
 pub mod documents;
 pub mod images;
+pub mod markers;
+pub mod masks;
 pub mod meshes;
+pub mod messages;
 pub mod pickles;
 pub mod recordings;
 pub mod requests;
@@ -48,7 +53,7 @@ pub struct Fault {
     pub make: fn(&mut Rng) -> Vec<u8>,
 }
 
-/// Captures without end: archives, and MCAP files.
+/// Captures without end: archives, MCAP files, and markers of motion capture.
 pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
     let kinds: Vec<(&'static str, Fault)> = [
         named("zip", archives::FAULTS),
@@ -58,7 +63,11 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", images::IN_CAPTURES),
         named("zip", meshes::IN_CAPTURES),
         named("zip", documents::IN_CAPTURES),
+        named("zip", calibrations::IN_CAPTURES),
+        named("zip", masks::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
+        named("mcap", messages::FAULTS),
+        named("markers", markers::FAULTS),
     ]
     .concat();
     files(seed, kinds)

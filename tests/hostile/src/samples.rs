@@ -187,6 +187,7 @@ pub fn recording() -> Recording {
             translation: [0.05 * index as f64, 0.0, 0.5],
         }],
         times_s: Vec::new(),
+        fps: None,
     };
     Recording {
         name: "toy".to_owned(),

@@ -12,8 +12,8 @@ pub const FAULTS: &[Fault] = &[
     Fault {
         what: "Gaussians with damage",
         make: |rng| {
-            let file = if rng.random() { ply() } else { spz(2, 3, &body(2)) };
-            damage::any(rng, &file)
+            let files = [ply(), spz(2, 3, &body(2)), spz_4(3, 1, 12)];
+            damage::any(rng, &files[rng.random_range(0..files.len())])
         },
     },
     Fault { what: "an SPZ with damage in what is compressed", make: damaged },
@@ -90,6 +90,43 @@ pub fn body(version: u32) -> Vec<u8> {
     counts.iter().flat_map(|(bytes, value)| vec![*value; bytes * COUNT]).collect()
 }
 
+/// An SPZ of version 4 with `count` Gaussians in its header, which are there if they are [`COUNT`], and
+/// harmonics up to a degree.
+pub fn spz_4(count: u32, degree: u8, fractional_bits: u8) -> Vec<u8> {
+    let body = body(4);
+    let mut rest = body.as_slice();
+    let mut streams: Vec<(usize, Vec<u8>)> = Vec::new();
+    let harmonics = vec![128; 3 * (usize::from(degree % 5 + 1).pow(2) - 1) * COUNT];
+    let lengths = [9, 1, 3, 3, 4].map(|bytes| bytes * COUNT);
+    let mut add = |bytes: &[u8]| {
+        let level = ruzstd::encoding::CompressionLevel::Fastest;
+        streams.push((bytes.len(), ruzstd::encoding::compress_to_vec(bytes, level)));
+    };
+    for length in lengths {
+        let (stream, after) = rest.split_at(length);
+        rest = after;
+        add(stream);
+    }
+    if !harmonics.is_empty() {
+        add(&harmonics);
+    }
+    let mut bytes = b"NGSP".to_vec();
+    bytes.extend(4_u32.to_le_bytes());
+    bytes.extend(count.to_le_bytes());
+    // An extension that names the axes: right, down, forward.
+    let axes = [0xADBE_0003_u32, 4, 6].map(u32::to_le_bytes).concat();
+    bytes.extend([degree, fractional_bits, 2, streams.len() as u8]);
+    bytes.extend((32 + axes.len() as u32).to_le_bytes());
+    bytes.extend([0; 12]);
+    bytes.extend(axes);
+    for (length, packed) in &streams {
+        bytes.extend((packed.len() as u64).to_le_bytes());
+        bytes.extend((*length as u64).to_le_bytes());
+    }
+    bytes.extend(streams.into_iter().flat_map(|(_, packed)| packed));
+    bytes
+}
+
 fn packed(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
     // Writing to memory does not fail.
@@ -134,8 +171,11 @@ fn number(rng: &mut Rng) -> Vec<u8> {
 
 fn claimed(rng: &mut Rng) -> Vec<u8> {
     let counts = [0, 4, 3_999_999, 4_000_001, 0x8000_0000, u32::MAX];
-    let version = rng.random_range(2..=3);
-    spz(version, counts[rng.random_range(0..counts.len())], &body(version))
+    let count = counts[rng.random_range(0..counts.len())];
+    match rng.random_range(2..=4) {
+        4 => spz_4(count, rng.random_range(0..6), rng.random_range(0..30)),
+        version => spz(version, count, &body(version)),
+    }
 }
 
 /// Bytes that unpack to a thousand times as many.

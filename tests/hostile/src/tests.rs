@@ -40,6 +40,12 @@ fn what_they_are_made_from_is_valid() {
         read_bytes("sample", &tars::pack(&files), &limits).unwrap();
         read_bytes("sample", &tars::gzip(&tars::pack(&files)), &limits).unwrap();
     }
+    for masks in masks::valid() {
+        let [whole, _] = masks::capture(masks);
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        std::io::Write::write_all(&mut file, &whole).unwrap();
+        bendtwin_capture::raw::open(file.path(), &limits).unwrap();
+    }
     for twin in [samples::twin(), samples::cable()] {
         assert_eq!(Twin::decode(&twin_files::encoded(&twin)).unwrap(), twin);
     }

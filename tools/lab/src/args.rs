@@ -3,10 +3,10 @@
 use bendtwin_terminal::{global::Global, logging};
 use clap::{Parser, Subcommand};
 
-use crate::{bench, corrections, suite};
+use crate::{bench, boards, corrections, suite};
 
 /// Measures BendTwin, for its developers: accuracy of fits in suites, speed of the physics and of
-/// servers, and what corrections of states bring.
+/// servers, poses of cameras from boards, and what corrections of states bring.
 ///
 /// Users install `bendtwin`; `bendtwin bench` times a twin of theirs.
 #[derive(Debug, Parser)]
@@ -26,6 +26,8 @@ pub(crate) enum Command {
     Suite(suite::SuiteArgs),
     /// Time the physics on this machine, on named scenes; a server under load; a database
     Bench(bench::Bench),
+    /// Film boards with made cameras and measure errors of the poses that they give
+    Boards(boards::Boards),
     /// Compare predictions of a twin from states that are corrected by observed points
     Corrections(corrections::Corrections),
 }

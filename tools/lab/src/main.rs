@@ -3,6 +3,7 @@
 
 mod args;
 mod bench;
+mod boards;
 mod corrections;
 mod suite;
 
@@ -32,6 +33,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Suite(args) => suite::run(args, global).await,
         Command::Bench(args) => bench::run(args, global).await,
+        Command::Boards(args) => boards::run(args, global).await,
         Command::Corrections(args) => corrections::run(args, global).await,
     }
 }

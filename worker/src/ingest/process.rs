@@ -17,8 +17,8 @@ use bendtwin_inspect::Report;
 
 use super::{
     protocol::{
-        ARCHIVE, CHECKPOINT, EARLIER_MASKS, Message, OBSERVATION, PAGE, PLAYBACK, REPORT, Request,
-        SUPPLEMENT_CALIBRATION, SUPPLEMENT_MASKS,
+        ARCHIVE, CHECKPOINT, EARLIER_MASKS, MASKS, Message, OBSERVATION, PAGE, PLAYBACK, REPORT,
+        Request, SUPPLEMENT_CALIBRATION, SUPPLEMENT_MASKS,
     },
     sandbox::{self, Enforced, Sandbox},
 };
@@ -93,6 +93,12 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
             },
         )?;
     }
+    if let Some(masks) = &made.masks {
+        masks.write(&folder.join(MASKS)).map_err(|error| match error {
+            capture::Error::Io { at, source } => unwritable(&at, source),
+            error => error.fault(),
+        })?;
+    }
     write_shown(folder, &request.name, &made, &mut |share| {
         tell(VIEWED + (1.0 - VIEWED) * share);
     })?;
@@ -115,8 +121,9 @@ fn write_shown(
     if capture.is_none() && made.recorded.iter().flatten().next().is_none() {
         return Ok(());
     }
+    let doubt = made.masks.as_ref().map_or(&[][..], |masks| masks.doubt.as_slice());
     let name = capture.map_or(name, |capture| capture.name.as_str());
-    let played = Played { name, capture, recorded: &made.recorded, doubt: &[] };
+    let played = Played { name, capture, recorded: &made.recorded, doubt };
     write_playback(played, &folder.join(PLAYBACK), tell).map_err(|e| unwritable(PLAYBACK, e))
 }
 

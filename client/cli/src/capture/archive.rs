@@ -15,7 +15,7 @@ use crate::failure::Usage;
 
 /// Extensions of files that are compressed already: deflating them again costs time and saves
 /// nothing.
-const COMPRESSED_EXTENSIONS: [&str; 16] = [
+const COMPRESSED_EXTENSIONS: [&str; 17] = [
     "png",
     "jpg",
     "jpeg",
@@ -25,6 +25,7 @@ const COMPRESSED_EXTENSIONS: [&str; 16] = [
     "zip",
     "gz",
     "zst",
+    "zstd",
     "mcap",
     "mp4",
     "mkv",
@@ -67,14 +68,27 @@ impl Listing {
     /// Lists the files of a folder that its reader reads.
     pub(super) fn read_of(root: &Path, read: &FilesRead) -> anyhow::Result<Self> {
         let full = root.canonicalize().with_context(|| root.display().to_string())?;
-        let full = full.join(&read.folder);
-        let size = |name: &String| {
-            let path = full.join(name);
-            let size = std::fs::metadata(&path).with_context(|| path.display().to_string())?.len();
-            anyhow::Ok((name.clone(), size))
-        };
-        let files = read.files.iter().map(size).collect::<Result<_, _>>()?;
-        Ok(Self { root: full, name: read.name.clone(), files, skipped: 0 })
+        let within = full.join(&read.folder);
+        let mut outside = Vec::new();
+        let mut files = Vec::with_capacity(read.files.len());
+        for name in &read.files {
+            let path = within.join(name);
+            let at = || path.display().to_string();
+            // A link may lead to files that nobody means to send.
+            if !path.canonicalize().with_context(at)?.starts_with(&full) {
+                outside.push(name.as_str());
+            }
+            files.push((name.clone(), std::fs::metadata(&path).with_context(at)?.len()));
+        }
+        if let Some(first) = outside.first() {
+            bail!(Usage::error(format!(
+                "{} of its files are behind links that lead out of {} ({first}), and links are not followed: \
+                 copy the folder with `cp -rL`, and push the copy",
+                outside.len(),
+                root.display(),
+            )));
+        }
+        Ok(Self { root: within, name: read.name.clone(), files, skipped: 0 })
     }
 
     /// The files of a folder of masks: of a folder `mask` in it, if there is one, else its own, under
@@ -227,6 +241,34 @@ mod tests {
         let (listing, bytes) = pack(root.path());
         assert_eq!(listing.skipped, 1);
         assert_eq!(zip::ZipArchive::new(Cursor::new(bytes)).unwrap().len(), 4);
+    }
+
+    /// What is behind a link may be no part of the recording.
+    #[cfg(unix)]
+    #[test]
+    fn links_out_of_the_folder_are_refused_and_named() {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir().unwrap();
+        let case = root.path().join("toy");
+        let recording =
+            film(Scene::Toy, &FilmOptions { frames: 3, ..FilmOptions::tiny(0) }).unwrap();
+        raw::write_case(&recording, &case).unwrap();
+        let push = || {
+            let read = files_read(&case, &Limits::default()).unwrap();
+            Listing::read_of(&case, &read).map(|listing| listing.len())
+        };
+        let whole = push().unwrap();
+        // Inside the folder a link is another name.
+        std::fs::rename(case.join("color/1"), case.join("second")).unwrap();
+        symlink(case.join("second"), case.join("color/1")).unwrap();
+        assert_eq!(push().unwrap(), whole);
+        std::fs::rename(case.join("second"), root.path().join("elsewhere")).unwrap();
+        std::fs::remove_file(case.join("color/1")).unwrap();
+        symlink(root.path().join("elsewhere"), case.join("color/1")).unwrap();
+        let error = push().unwrap_err();
+        assert!(error.is::<Usage>());
+        let text = error.to_string();
+        assert!(text.starts_with("3 of its files") && text.contains("(color/1/0.png)"), "{text}");
     }
 
     /// Unread files are most of the folder of a PhysTwin case: here 8 MiB of 8.

@@ -23,7 +23,7 @@ use crate::{failure, global::Global, output, progress, requirements::Requirement
 #[derive(Debug, Args)]
 pub(crate) struct Push {
     /// A folder, of which only the needed files are sent; a ZIP or tar archive; an MCAP file; or
-    /// motion capture as .npz with its .json
+    /// motion capture as .npz with its .json, C3D, CSV of OptiTrack or TRC
     path: PathBuf,
     #[command(flatten)]
     facts: CaptureFacts,
@@ -91,7 +91,8 @@ pub(crate) async fn upload(
 /// archive already.
 async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>> {
     let folder = bendtwin_capture::root(path).to_owned();
-    if !bendtwin_capture::is_npz(path) && !folder.is_dir() {
+    let described = bendtwin_capture::described(path);
+    if !bendtwin_capture::is_npz(path) && !folder.is_dir() && described.is_none() {
         return Ok(None);
     }
     // Owned here and not by the thread that fills it: an interrupted push is to leave none behind.
@@ -100,6 +101,11 @@ async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>>
     let packed = tokio::task::spawn_blocking(move || {
         if folder.is_dir() {
             return archive(&folder, &into, quiet);
+        }
+        if let Some(read) = described {
+            let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+            let listing = Listing::read_of(parent.unwrap_or(Path::new(".")), &read)?;
+            return listing.pack(File::create(&into)?, |_| {});
         }
         let capture = bendtwin_capture::read(&path, &Limits::default()).map_err(failure::failed)?;
         bendtwin_capture::write_bundle_file(&capture, &into).map_err(failure::failed)

@@ -23,7 +23,7 @@ use crate::{
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// A raw recording or a capture: a folder, a ZIP or tar archive, or motion capture as .npz
-    /// with its .json; or a capture on the server: captures/{uuid}
+    /// with its .json, C3D, CSV or TRC; or a capture on the server: captures/{uuid}
     path: PathBuf,
     /// Write the page: HTML with pictures, in one file
     #[arg(long, value_name = "FILE")]
@@ -81,7 +81,12 @@ fn open_and_inspect(path: &Path) -> anyhow::Result<Report> {
 /// The report of the reference, with the findings of all recordings.
 fn look(opened: Opened) -> anyhow::Result<Report> {
     let inspection = match opened {
-        Opened::Observed(capture, _) => inspect_observed(&capture),
+        Opened::Observed(capture, remarks) => {
+            let mut seen = inspect_observed(&capture);
+            seen.sources = remarks.sources.clone();
+            seen.add(remarks);
+            seen
+        }
         Opened::Raw(recording) => {
             let settings = IngestSettings::default();
             let cancel = CancelToken::default();

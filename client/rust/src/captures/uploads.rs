@@ -21,7 +21,6 @@ use tokio::{
     io::{AsyncReadExt as _, AsyncSeekExt as _},
     time::Instant,
 };
-use url::Url;
 
 use crate::{
     CaptureFacts, Error,
@@ -38,6 +37,10 @@ const SLICE: usize = 256 << 10;
 /// Wait before trying again; it doubles up to the longest.
 const FIRST_WAIT: Duration = Duration::from_millis(200);
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
+/// Times that an upload may be gone after it was created.
+const MOST_GONE: usize = 3;
+/// Where a server has its uploads.
+const UPLOADS: &str = "/v1/uploads";
 /// Time without progress after which the upload fails. It can be resumed later.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(120);
 /// Time without progress after which a request is abandoned; at the end the server hashes gigabytes
@@ -97,6 +100,8 @@ impl<'a> Sender<'a> {
         // None while it is to be begun, or found.
         let mut url: Option<String> = None;
         let mut offset = None;
+        // Bytes that the server had at most, and the number of times that an upload was gone.
+        let (mut most, mut gone) = (0, 0);
         loop {
             let step = match (&url, offset) {
                 (None, _) => match self.begin().await {
@@ -121,14 +126,19 @@ impl<'a> Sender<'a> {
                     sent(state.offset);
                     if stalled {
                         retries.wait(&Error::not_stored(self.server)).await?;
-                    } else {
+                    } else if state.offset > most {
+                        most = state.offset;
                         retries.reset();
                     }
                 }
                 Err(error) if is_gone(&error) && url.is_some() => {
                     // It expired, or was terminated: create another one.
+                    gone += 1;
+                    if gone > MOST_GONE {
+                        return Err(Error::upload_gone(self.server));
+                    }
                     retries.wait(&error).await?;
-                    (url, offset) = (None, None);
+                    (url, offset, most) = (None, None, 0);
                 }
                 Err(error) if is_retryable(&error) => {
                     retries.wait(&error).await?;
@@ -141,13 +151,11 @@ impl<'a> Sender<'a> {
 
     async fn begin(&self) -> Result<(String, UploadState), Error> {
         let request = self
-            .request(Method::POST, &format!("{}/v1/uploads", self.server))
+            .request(Method::POST, &format!("{}{UPLOADS}", self.server))
             .header("upload-length", self.length)
             .header("upload-metadata", &self.metadata);
         let response = self.answer(request).await?;
-        let location = text(&response.headers, "location")?.to_owned();
-        let url = Url::parse(self.server).and_then(|base| base.join(&location));
-        let url = url.map_err(Error::malformed)?.to_string();
+        let url = address(self.server, text(&response.headers, "location")?)?;
         // The response to a creation need not have the offset.
         let state = if response.headers.contains_key("upload-offset") {
             state_of(&response)?
@@ -223,6 +231,16 @@ impl<'a> Sender<'a> {
             () = clock.stalled() => return Err(Error::unreachable(self.server, "it stopped responding")),
         };
         problem::success(response).await
+    }
+}
+
+/// Address of an upload. A server behind a proxy does not know the path or the host by which it is
+/// reached, so only the upload's own name is taken from the `Location` that it gives.
+fn address(server: &str, location: &str) -> Result<String, Error> {
+    let path = location.split(['?', '#']).next().unwrap_or(location);
+    match path.rsplit_once(UPLOADS).and_then(|(_, rest)| rest.strip_prefix('/')) {
+        Some(id) if !id.is_empty() && !id.contains('/') => Ok(format!("{server}{UPLOADS}/{id}")),
+        _ => Err(Error::malformed(format!("`{location}` is no address of an upload"))),
     }
 }
 

@@ -8,8 +8,11 @@ use super::{Finding, distance, median, percent};
 const MAX_SPEED_M_S: f32 = 15.0;
 /// A jump of all points counts from here [m] ...
 const JUMP_M: f32 = 0.01;
-/// ... if it is this many times the motion before and after.
+/// ... if it is this many times the motion before and after, ...
 const JUMP_FACTOR: f32 = 3.0;
+/// ... not in the median alone, but for this share of the points that move so far: what swings or
+/// shakes is fast here and there, and a missing frame concerns all.
+const JUMPING_SHARE: f32 = 0.8;
 /// An object that moves less teaches nothing [m].
 const STILL_M: f32 = 0.005;
 
@@ -81,8 +84,8 @@ fn teleports(capture: &Capture, sequence: &Sequence, findings: &mut Vec<Finding>
 
 fn dropped(sequence: &Sequence, steps: &[f32], findings: &mut Vec<Finding>) {
     let is_jump = |w: &[f32]| w[1] > JUMP_M && w[1] > JUMP_FACTOR * w[0].max(w[2]);
-    let jumps: Vec<usize> =
-        steps.windows(3).enumerate().filter(|(_, w)| is_jump(w)).map(|(i, _)| i + 2).collect();
+    let by_median = steps.windows(3).enumerate().filter(|(_, w)| is_jump(w)).map(|(i, _)| i + 2);
+    let jumps: Vec<usize> = by_median.filter(|frame| jumps_together(sequence, *frame)).collect();
     if let Some(first) = jumps.first() {
         let again = match jumps.len() - 1 {
             0 => String::new(),
@@ -99,6 +102,22 @@ fn dropped(sequence: &Sequence, steps: &[f32], findings: &mut Vec<Finding>) {
             ),
         ));
     }
+}
+
+/// True if the points that move far into a frame move little before and after, each by itself.
+fn jumps_together(sequence: &Sequence, frame: usize) -> bool {
+    let path = |point: usize| -> Option<[f32; 3]> {
+        let at = |f: usize| {
+            let seen = *sequence.visible_at(f).get(point)?;
+            sequence.points_at(f).get(point).filter(|_| seen)
+        };
+        let [a, b, c, d] = [at(frame - 2)?, at(frame - 1)?, at(frame)?, at(frame + 1)?];
+        Some([distance(a, b), distance(b, c), distance(c, d)])
+    };
+    let points = sequence.points_at(frame).len();
+    let moving: Vec<[f32; 3]> = (0..points).filter_map(path).filter(|s| s[1] > JUMP_M).collect();
+    let jumping = moving.iter().filter(|s| s[1] > JUMP_FACTOR * s[0].max(s[2])).count();
+    !moving.is_empty() && jumping as f32 >= JUMPING_SHARE * moving.len() as f32
 }
 
 fn duplicated(sequence: &Sequence, findings: &mut Vec<Finding>) {

@@ -6,7 +6,7 @@ use crate::{
     Error, Limits, Opened,
     files::Files,
     format::{Format, Place},
-    read,
+    mocap, read,
 };
 
 /// The capture in a folder, and the files that it is read from.
@@ -29,7 +29,7 @@ pub struct FilesRead {
 /// # Errors
 /// Those of [`crate::open`].
 pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
-    let mut files = match Place::at(path)? {
+    let mut files = match Place::at(path) {
         Place::Mcap(file) => {
             let name = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into();
             return Ok(FilesRead {
@@ -38,6 +38,16 @@ pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
                 format: Format::Mcap.words(),
                 files: vec![name(file.file_name())],
             });
+        }
+        Place::Markers(path) => {
+            let described = mocap::described(path);
+            let alone = || FilesRead {
+                name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+                folder: String::new(),
+                format: Format::Markers.words(),
+                files: vec![path.file_name().unwrap_or_default().to_string_lossy().into_owned()],
+            };
+            return Ok(described.unwrap_or_else(alone));
         }
         Place::Arrays(path) | Place::Files(path) => Files::open(path, limits)?,
     };

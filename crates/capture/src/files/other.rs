@@ -1,7 +1,7 @@
 //! Formats that labs have and that have to be converted first, recognised by their content: a
 //! message names the command for it.
 
-use super::storage::Storage;
+use super::{storage::Storage, tar::is_tar};
 use crate::Error;
 
 /// Bytes at the start and at the end of a file by which its format is recognized.
@@ -9,6 +9,13 @@ const LOOKED_AT: u64 = 64 << 10;
 
 /// Topics of a RealSense recording in a ROS bag begin so.
 const REALSENSE: &[u8] = b"/device_0/";
+
+/// First bytes of what is compressed with gzip.
+pub(super) const GZIP: &[u8] = b"\x1f\x8b";
+/// First bytes of a pointer of Git LFS, which stands in for a file that was not fetched.
+const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+/// Bytes of a pointer, at most.
+pub(super) const LONGEST_POINTER: u64 = 1024;
 
 /// A format and what to do with it; `FILE` stands for the file's name.
 struct Other {
@@ -35,9 +42,47 @@ const VIDEO: Other = Other {
     advice: "write its frames as images with `ffmpeg -i FILE -fps_mode passthrough -start_number 0 color/0/%d.png`, \
              beside depth and calibration (docs/formats/capture.md, section 6)",
 };
-const PACKED: Other = Other {
-    what: "an archive of another kind",
-    advice: "unpack it, and send the folder, a .zip, a .tar or a .tar.gz",
+const SEVEN_ZIP: Other = Other {
+    what: "a 7z archive",
+    advice: "unpack it with `7z x FILE`, and send the folder, a .zip or a .tar",
+};
+const RAR: Other = Other {
+    what: "a RAR archive",
+    advice: "unpack it with `unrar x FILE`, and send the folder, a .zip or a .tar",
+};
+const XZ: Other = Other {
+    what: "compressed with xz",
+    advice: "unpack it with `unxz FILE`, and send what comes out of it, a .zip or a .tar",
+};
+const BZIP2: Other = Other {
+    what: "compressed with bzip2",
+    advice: "unpack it with `bunzip2 FILE`, and send what comes out of it, a .zip or a .tar",
+};
+const ZSTD: Other = Other {
+    what: "compressed with Zstandard",
+    advice: "unpack it with `zstd -d FILE`, and send what comes out of it",
+};
+const GZIPPED: Other = Other {
+    what: "compressed with gzip",
+    advice: "unpack it with `gunzip FILE`, and send what comes out of it; only a .tar.gz is read as it is",
+};
+const INNER: Other = Other {
+    what: "an archive in the place of a capture's files",
+    advice: "unpack the outer folder or archive, and send this one by itself",
+};
+const LFS: Other = Other {
+    what: "a Git LFS pointer, not the file itself",
+    advice: "run `git lfs pull` in the repository that it comes from, and send it again",
+};
+const HTML: Other = Other {
+    what: "an HTML page, not the file that its name says",
+    advice: "the download was answered with a page (a login, a quota, a preview): open it in a browser, and download \
+             the file itself",
+};
+const PICKLE: Other = Other {
+    what: "a pickle by itself",
+    advice: "send the folder of a PhysTwin case whole; of motion capture, as DEFORM's data has it, write an .npz and its \
+             .json with the lines of docs/formats/capture.md, section 3",
 };
 const HDF5: Other = Other {
     what: "an HDF5 file",
@@ -49,11 +94,11 @@ const HDF5: Other = Other {
 const STARTS: &[(&[u8], &Other)] = &[
     (b"SQLite format 3\0", &ROS2_DATABASE),
     (b"\x1a\x45\xdf\xa3", &VIDEO),
-    (b"7z\xbc\xaf\x27\x1c", &PACKED),
-    (b"Rar!\x1a\x07", &PACKED),
-    (b"\xfd7zXZ\0", &PACKED),
-    (b"BZh", &PACKED),
-    (b"\x28\xb5\x2f\xfd", &PACKED),
+    (b"7z\xbc\xaf\x27\x1c", &SEVEN_ZIP),
+    (b"Rar!\x1a\x07", &RAR),
+    (b"\xfd7zXZ\0", &XZ),
+    (b"BZh", &BZIP2),
+    (b"\x28\xb5\x2f\xfd", &ZSTD),
     (b"\x89HDF\r\n\x1a\n", &HDF5),
 ];
 
@@ -68,8 +113,18 @@ pub(super) fn recognise(name: &str, storage: &mut Storage<'_>) -> Option<Error> 
         || (start.starts_with(b"RIFF") && start.get(8..12) == Some(b"AVI "))
     {
         &VIDEO
+    } else if let Some(known) = disguised(name, &start) {
+        return Some(known);
     } else {
-        STARTS.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, other)| *other)?
+        let lower = name.to_ascii_lowercase();
+        let is_archive = start.starts_with(b"PK") && lower.ends_with(".zip") || is_tar(&start);
+        let known = STARTS.iter().find(|(magic, _)| start.starts_with(magic));
+        match known {
+            Some((_, other)) => other,
+            None if is_archive => &INNER,
+            None if lower.ends_with(".pkl") || lower.ends_with(".pickle") => &PICKLE,
+            None => return None,
+        }
     };
     Some(error(name, other))
 }
@@ -93,22 +148,58 @@ pub(crate) fn is_video(name: &str) -> bool {
     ending.is_some_and(|e| ["mp4", "mkv", "avi", "mov", "webm"].contains(&e.as_str()))
 }
 
-/// An MCAP file inside an archive.
-pub(super) fn packed_mcap(name: &str) -> Error {
-    Error::OtherFormat {
-        at: name.to_owned(),
-        what: "an MCAP file inside an archive",
-        advice: "send it by itself: it is compressed already".to_owned(),
-    }
+/// The error for a file of an archive that is a capture by itself, by its name.
+pub(super) fn packed(name: &str) -> Option<Error> {
+    let lower = name.to_ascii_lowercase();
+    let ends = |endings: &[&str]| endings.iter().any(|ending| lower.ends_with(ending));
+    let other = if ends(&[".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar", ".tar.xz", ".tar.bz2"])
+    {
+        &INNER
+    } else if ends(&[".gz"]) {
+        &GZIPPED
+    } else if ends(&[".pkl", ".pickle"]) {
+        &PICKLE
+    } else {
+        return None;
+    };
+    Some(error(name, other))
 }
 
-/// gzip of one file that is no archive.
-pub(super) fn gzip(name: &str) -> Error {
-    Error::OtherFormat {
-        at: name.to_owned(),
-        what: "compressed with gzip, but no tar archive",
-        advice: "send the folder, a .zip, a .tar or a .tar.gz of it".to_owned(),
-    }
+/// The error for a file whose content is none of a capture's, whatever its name says.
+pub(super) fn disguised(name: &str, bytes: &[u8]) -> Option<Error> {
+    let other = if bytes.starts_with(POINTER) {
+        &LFS
+    } else if is_html(bytes) {
+        &HTML
+    } else if bytes.starts_with(GZIP) {
+        &GZIPPED
+    } else {
+        return None;
+    };
+    Some(error(name, other))
+}
+
+/// The error for gzip of something that is no tar archive, by the first bytes of what is inside.
+pub(super) fn gzip(name: &str, inside: &[u8]) -> Error {
+    let advice = match inside {
+        [0x89, b'M', b'C', b'A', b'P', ..] => {
+            "it is an MCAP file inside: unpack it with `gunzip FILE`, and send that"
+        }
+        [b'P', b'K', ..] => {
+            "it is a ZIP archive inside: unpack it with `gunzip FILE`, and send that"
+        }
+        _ => {
+            "unpack it with `gunzip FILE`, and send what comes out of it; or send the folder, a .zip, a .tar or a .tar.gz"
+        }
+    };
+    error(name, &Other { what: "compressed with gzip, but no tar archive", advice })
+}
+
+/// `true` if a file begins as a page of the web does.
+fn is_html(bytes: &[u8]) -> bool {
+    let text = bytes.trim_ascii_start();
+    let begins = |word: &[u8]| text.get(..word.len()).is_some_and(|t| t.eq_ignore_ascii_case(word));
+    begins(b"<!doctype html") || begins(b"<html")
 }
 
 fn error(name: &str, other: &Other) -> Error {

@@ -10,6 +10,8 @@ use std::{
     },
 };
 
+use super::section::Section;
+
 /// A file with a separate position: clones read side by side without disturbing each other.
 #[derive(Clone, Debug)]
 pub(crate) struct SharedFile {
@@ -100,6 +102,19 @@ impl Storage<'_> {
             Self::File(reader) => reader.get_ref().len(),
             Self::Memory(reader) => reader.get_ref().len() as u64,
             Self::Unpacked(reader) => reader.get_ref().0.len() as u64,
+        }
+    }
+
+    /// Bytes `start..start + length` as a file of their own; none if they are borrowed.
+    pub(super) fn section(&self, start: u64, length: u64) -> Option<Section> {
+        match self {
+            Self::File(reader) => {
+                Some(Section::within_file(reader.get_ref().clone(), start, length))
+            }
+            Self::Unpacked(reader) => {
+                Some(Section::within_memory(reader.get_ref().0.clone(), start, length))
+            }
+            Self::Memory(_) => None,
         }
     }
 

@@ -15,6 +15,7 @@ use tar::{Archive, EntryType};
 
 use super::{
     Names, is_plain, read_capped,
+    section::Section,
     storage::{Metered, Storage, Unpacked},
     zip::{check_length, check_unpacked, directory_bytes},
 };
@@ -69,21 +70,32 @@ pub(super) fn open(
         if end > length {
             return Err(Error::ArchiveDamaged(format!("it ends within `{raw}`")));
         }
-        let kind = match entry.header().entry_type() {
+        let mut member = Member { start, size, kind: None };
+        member.kind = match entry.header().entry_type() {
             EntryType::Directory | EntryType::XGlobalHeader => continue,
             EntryType::Regular | EntryType::Continuous => None,
-            EntryType::Link | EntryType::Symlink => Some("a link"),
+            // A second name of a file that comes before it.
+            EntryType::Link => {
+                let target = entry.link_name_bytes().unwrap_or_default();
+                let target = plain(&String::from_utf8_lossy(&target));
+                let known = names.get(&target).and_then(|index: &usize| members.get(*index));
+                match known {
+                    Some(target) => {
+                        member = *target;
+                        target.kind
+                    }
+                    None => Some("a link to a file that is not in it"),
+                }
+            }
+            EntryType::Symlink => Some("a link"),
             EntryType::GNUSparse => Some("a sparse file"),
             _ => Some("a special file"),
         };
-        unpacked = unpacked.saturating_add(size);
-        // `tar -C folder .` writes `./color/0.png`.
-        let parts = raw.split(['/', '\\']).filter(|part| !part.is_empty() && *part != ".");
-        let name = parts.collect::<Vec<_>>().join("/");
-        if names.insert(name, members.len()).is_some() {
+        unpacked = unpacked.saturating_add(member.size);
+        if names.insert(plain(&raw), members.len()).is_some() {
             return Err(Error::ArchiveDuplicate);
         }
-        members.push(Member { start, size, kind });
+        members.push(member);
     }
     left.store(u64::MAX, Ordering::Relaxed);
     // Blocks of zeros end an archive: one without was cut off between two files.
@@ -93,6 +105,12 @@ pub(super) fn open(
     budget.take(members.len() as u64 * 256, "the archive's directory")?;
     check_unpacked(unpacked, length, limits)?;
     Ok((members, names))
+}
+
+/// A name without the parts that say nothing: `tar -C folder .` writes `./color/0.png`.
+fn plain(name: &str) -> String {
+    let parts = name.split(['/', '\\']).filter(|part| !part.is_empty() && *part != ".");
+    parts.collect::<Vec<_>>().join("/")
 }
 
 /// Reads a file; `full` is its name in the archive, `name` that in the capture.
@@ -108,6 +126,25 @@ pub(super) fn read(
     }
     storage.seek(SeekFrom::Start(member.start)).map_err(|e| damaged(&e))?;
     read_capped(name, storage.take(member.size), member.size, cap, budget)
+}
+
+/// The first bytes of what is compressed with gzip, at most `count`.
+pub(super) fn first(storage: Storage<'_>, count: u64) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let read = MultiGzDecoder::new(storage).take(count).read_to_end(&mut bytes);
+    read.map_err(|e| damaged(&e)).map(|_| bytes)
+}
+
+/// A file of an archive where it lies; none if the archive is borrowed memory.
+pub(super) fn section(
+    storage: &Storage<'_>,
+    member: Member,
+    full: &str,
+) -> Result<Option<Section>, Error> {
+    if let Some(kind) = member.kind {
+        return Err(Error::ArchiveEntryKind { at: full.to_owned(), kind });
+    }
+    Ok(storage.section(member.start, member.size))
 }
 
 /// Unpacks gzip in memory, and takes what that needs from the limits of all that follows.

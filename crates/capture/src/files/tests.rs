@@ -73,6 +73,80 @@ fn tar_and_gzip_are_read_as_zip_is() {
     assert_eq!(Files::open(&path, &Limits::default()).unwrap().name, "toy.v2");
 }
 
+/// A second name of a file is that file.
+#[test]
+fn hard_links_of_a_tar_are_read() {
+    let link = |builder: &mut Builder<Vec<u8>>, name: &str, target: &str| {
+        let mut header = Header::new_gnu();
+        header.set_entry_type(EntryType::Link);
+        header.set_size(0);
+        builder.append_link(&mut header, name, target).unwrap();
+    };
+    let files = bundle(&rope());
+    let mut builder = Builder::new(Vec::new());
+    for (name, bytes) in &files {
+        append(&mut builder, &format!("./first/{name}x"), bytes);
+    }
+    for name in files.keys() {
+        link(&mut builder, &format!("./rope/{name}"), &format!("./first/{name}x"));
+    }
+    let tar = builder.into_inner().unwrap();
+    assert_eq!(read_bytes("x", &tar, &Limits::default()).unwrap(), rope());
+    // Names count for what they unpack to.
+    let tight = Limits { unpacked_bytes: 1000, unpacked_per_byte: 1, ..Limits::default() };
+    let mut builder = Builder::new(Vec::new());
+    append(&mut builder, "a", &[7; 4000]);
+    (0..100).for_each(|i| link(&mut builder, &format!("b{i}"), "a"));
+    assert_eq!(reason_of(&builder.into_inner().unwrap(), &tight), "CAPTURE_TOO_LARGE");
+    let mut builder = Builder::new(Vec::new());
+    link(&mut builder, "capture.json", "elsewhere");
+    assert_eq!(reason(&builder.into_inner().unwrap()), "ARCHIVE_NOT_A_FILE");
+}
+
+/// What is said of files that are no capture, by their names and contents.
+#[test]
+fn files_in_disguise_are_named_with_what_to_do() {
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n".to_vec();
+    let page = b"\n<!DOCTYPE html><html><body>Quota exceeded".to_vec();
+    let inner = pack(&bundle(&rope()));
+    let mcap = b"\x89MCAP0\r\n".to_vec();
+    for (name, bytes, words) in [
+        ("toy.zip", pointer.clone(), "a Git LFS pointer, not the file itself: run `git lfs pull`"),
+        ("toy.mcap", pointer.clone(), "git lfs pull"),
+        ("toy.zip", page.clone(), "an HTML page"),
+        ("toy.mcap.gz", gzip(&mcap), "MCAP file inside: unpack it with `gunzip toy.mcap.gz`"),
+        ("toy.zip.gz", gzip(&inner), "ZIP archive inside"),
+        ("toy.pkl.gz", gzip(b"text"), "gunzip toy.pkl.gz"),
+        ("toy.7z", b"7z\xbc\xaf\x27\x1c".to_vec(), "7z x toy.7z"),
+        ("toy.tar.xz", b"\xfd7zXZ\0".to_vec(), "unxz toy.tar.xz"),
+        ("toy.mcap.zst", b"\x28\xb5\x2f\xfd".to_vec(), "zstd -d toy.mcap.zst"),
+        ("train.pkl", b"\x80\x04N.".to_vec(), "docs/formats/capture.md, section 3"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, &bytes).unwrap();
+        // By itself, and in a folder.
+        for path in [path.as_path(), folder.path()] {
+            let text = crate::open(path, &Limits::default()).unwrap_err().to_string();
+            let words = words.trim_start_matches("MCAP file inside: ");
+            let is_inside = words.starts_with("ZIP archive inside") && path == folder.path();
+            assert!(text.contains(words) || is_inside, "{name}: {text}");
+        }
+    }
+    for (name, bytes) in [("toy.zip", inner), ("toy.mcap", mcap), ("a.pkl", b"N.".to_vec())] {
+        let outer = pack(&FileMap::from([(name.to_owned(), bytes)]));
+        assert_eq!(reason(&outer), "FORMAT_NOT_READ", "{name}");
+    }
+    // In the place of any file that is read.
+    for bytes in [pointer, page, gzip(b"{}")] {
+        for name in ["capture.json", "object_points.npy"] {
+            let mut files = bundle(&rope());
+            files.insert(name.to_owned(), bytes.clone());
+            assert_eq!(reason(&pack(&files)), "FORMAT_NOT_READ", "{name}");
+        }
+    }
+}
+
 #[test]
 fn entries_in_other_compressions_are_read() {
     let files = bundle(&rope());
@@ -237,8 +311,8 @@ fn formats_to_convert_are_recognized_by_their_content() {
         (realsense, "RealSense", "rs.align(rs.stream.color)"),
         (b"SQLite format 3\0 and more".to_vec(), "ROS 2", "mcap convert x recording.mcap"),
         (video, "video", "ffmpeg -i x "),
-        (b"7z\xbc\xaf\x27\x1c\0\0".to_vec(), "another kind", "unpack it"),
-        (b"BZh91AY".to_vec(), "another kind", ".tar.gz"),
+        (b"7z\xbc\xaf\x27\x1c\0\0".to_vec(), "7z archive", "`7z x x`"),
+        (b"BZh91AY".to_vec(), "bzip2", "`bunzip2 x`"),
     ] {
         let error = read_bytes("x", &bytes, &Limits::default()).unwrap_err();
         let text = error.to_string();
@@ -253,7 +327,7 @@ fn formats_to_convert_are_recognized_by_their_content() {
     assert!(text.contains("mcap convert take_0.db3"), "{text}");
     let packed = pack(&FileMap::from([("take/take_0.mcap".to_owned(), vec![0])]));
     let text = read_bytes("x", &packed, &Limits::default()).unwrap_err().to_string();
-    assert!(text.contains("one folder (take)"), "{text}");
+    assert!(text.contains("`take` is a raw recording"), "{text}");
 }
 
 #[test]

@@ -13,6 +13,7 @@ use zip::{CompressionMethod, ZipArchive, result::ZipError};
 
 use super::{
     Names, is_plain, read_capped,
+    section::Section,
     storage::{Metered, Storage},
 };
 use crate::{Error, Limits, limits::Budget};
@@ -145,6 +146,27 @@ pub(super) fn read(
         }
         other => Err(Error::ArchiveCompression { at: full.to_owned(), method: method_name(other) }),
     }
+}
+
+/// The file with this number where it lies; none if it is compressed.
+pub(super) fn section(
+    archive: &mut Zip<'_>,
+    index: usize,
+    full: &str,
+) -> Result<Option<Section>, Error> {
+    let entry = archive.by_index_raw(index).map_err(|e| unusable(full, e))?;
+    let is_plain_file = !entry.encrypted() && !entry.is_symlink();
+    let is_stored = entry.compression() == CompressionMethod::Stored;
+    let (start, length) = (entry.data_start(), entry.size());
+    let whole = entry.compressed_size() == length;
+    drop(entry);
+    let start = start.filter(|_| is_plain_file && is_stored && whole);
+    let Some(start) = start else { return Ok(None) };
+    let storage = archive.clone().into_inner().inner;
+    if start.checked_add(length).is_none_or(|end| end > storage.length()) {
+        return Err(Error::ArchiveDamaged(format!("it ends within `{full}`")));
+    }
+    Ok(storage.section(start, length))
 }
 
 /// A compression that is not read, as its users call it.

@@ -1,7 +1,7 @@
 use std::fs;
 
 use super::*;
-use crate::{Limits, files::Files};
+use crate::{Error, Limits, files::Files};
 
 /// A folder with these files, empty but for what is needed to know them.
 fn folder(files: &[&str]) -> tempfile::TempDir {
@@ -16,8 +16,9 @@ fn folder(files: &[&str]) -> tempfile::TempDir {
 }
 
 fn detect(path: &Path) -> Result<Format, Error> {
-    Ok(match Place::at(path)? {
+    Ok(match Place::at(path) {
         Place::Arrays(_) => Format::MotionCapture,
+        Place::Markers(_) => Format::Markers,
         Place::Mcap(_) => Format::Mcap,
         Place::Files(path) => {
             let mut files = Files::open(path, &Limits::default())?;
@@ -37,7 +38,13 @@ fn a_folder_is_read_as_the_first_of_its_formats() {
         (&["transforms.json", "metadata.json", "color/0/0.png"], Format::Nerfstudio),
         (&["metadata.json", "color/0/0.png"], Format::RawPhysTwin),
         (&["rope.npz", "rope.json"], Format::MotionCapture),
+        (&["rope.c3d", "rope.json"], Format::Markers),
+        (&["take.csv"], Format::Markers),
+        (&["notes.csv", "case/transforms.json"], Format::Nerfstudio),
+        (&["rope.trc", "metadata.json", "color/0/0.png"], Format::RawPhysTwin),
         (&["capture.json", "bag.mcap"], Format::Mcap),
+        (&["a.mcap", "b.mcap"], Format::Mcap),
+        (&["take/a_0.mcap.zstd", "take/metadata.yaml"], Format::Mcap),
         (&["inner/deeper/transforms.json"], Format::Nerfstudio),
     ] {
         assert_eq!(detect(folder(files).path()).unwrap(), format, "{files:?}");
@@ -59,7 +66,7 @@ fn nothing_and_two_captures_are_refused() {
     assert!(matches!(fault, Error::UnknownKind { .. }), "{fault}");
     let fault = detect(folder(&["a/capture.json", "b/capture.json"]).path()).unwrap_err();
     assert!(matches!(fault, Error::Several(_)), "{fault}");
-    let fault = detect(folder(&["a.mcap", "b.mcap"]).path()).unwrap_err();
+    let fault = detect(folder(&["a/a.mcap", "b/b.mcap.zstd"]).path()).unwrap_err();
     assert!(matches!(fault, Error::Several(_)), "{fault}");
     assert!(matches!(detect(Path::new("nowhere")), Err(Error::NotFound(_))));
 }

@@ -1,6 +1,37 @@
 use std::path::Path;
 
+use super::json;
 use crate::{Limits, read};
+
+#[derive(Debug, serde::Deserialize)]
+#[expect(dead_code, reason = "only its form is of interest")]
+struct Document {
+    fps: f64,
+    cameras: Vec<Camera>,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[expect(dead_code, reason = "only its form is of interest")]
+struct Camera {
+    size: [usize; 2],
+}
+
+#[test]
+fn a_fault_of_a_document_is_named_with_its_field() {
+    let fault = |text: &str| json::<Document>(text.as_bytes(), "a.json").unwrap_err().to_string();
+    for (text, words) in [
+        (r#"{"fps": [30], "cameras": []}"#, "`fps`: invalid type: sequence, expected f64"),
+        (r#"{"fps": 30, "cameras": [{"size": [8, -6]}]}"#, "`cameras[0].size[1]`: invalid value"),
+        (r#"{"fps": 30}"#, "missing field `cameras`"),
+        (r#"{"fps": 30, "cameras": [{}]}"#, "`cameras[0]`: missing field `size`"),
+        (r#"{"fps": 30, "#, "EOF while parsing a value at line 1 column 12"),
+        (r#"{"fps": 30, "cameras": []} x"#, "trailing characters at line 1 column 28"),
+    ] {
+        let found = fault(text);
+        assert!(found.contains(words), "{found} lacks {words}");
+        assert!(words.contains("line") || !found.contains("column"), "{found}");
+    }
+}
 
 #[test]
 fn a_case_is_turned_to_z_up() {

@@ -35,9 +35,15 @@ impl<'a> Input<'a> {
 
     /// Text up to a line's end, as protocols below 4 name globals.
     pub(super) fn line(&mut self) -> Result<&'a str, Fault> {
+        let line = self.line_bytes()?;
+        std::str::from_utf8(line).map_err(|_| Fault::Damaged("a name in it is no text"))
+    }
+
+    /// Bytes up to a line's end.
+    pub(super) fn line_bytes(&mut self) -> Result<&'a [u8], Fault> {
         let end = self.0.iter().position(|b| *b == b'\n').ok_or(CUT)?;
         let line = self.take(end as u64)?;
         self.byte()?;
-        std::str::from_utf8(line).map_err(|_| Fault::Damaged("a name in it is no text"))
+        Ok(line)
     }
 }

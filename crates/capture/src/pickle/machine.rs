@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use super::{
     Dialect, Id, Value,
     input::Input,
+    lines,
     numpy::{Descr, Global, Parsed, Parts},
     torch,
 };
@@ -111,8 +112,8 @@ impl<'a, 'b> Machine<'a, 'b> {
         match opcode {
             // PROTO, FRAME
             0x80 => match self.input.byte()? {
-                2..=5 => Ok(()),
-                p => Err(Fault::Refused(format!("pickle protocol {p} (known are 2 to 5)"))),
+                0..=5 => Ok(()),
+                p => Err(Fault::Refused(format!("pickle protocol {p} (known are 0 to 5)"))),
             },
             0x95 => self.input.take(8).map(|_| ()),
             // MARK, POP, POP_MARK, DUP
@@ -135,6 +136,15 @@ impl<'a, 'b> Machine<'a, 'b> {
             0x89 => self.push(Value::Bool(false), 0),
             b'J' | b'K' | b'M' | 0x8a | b'G' => self.number(opcode),
             b'X' | 0x8c | 0x8d | b'T' | b'U' => self.text(opcode),
+            b'I' | b'L' | b'F' | b'S' | b'V' => {
+                let line = self.input.line_bytes()?;
+                if matches!(opcode, b'S' | b'V') {
+                    // Latin-1 takes up to two bytes a letter.
+                    self.budget.take(2 * line.len() as u64, self.at)?;
+                }
+                let value = lines::value(opcode, line)?;
+                self.push(value, 0)
+            }
             b'B' | b'C' | 0x8e | 0x96 => {
                 let bytes = self.input.prefixed(match opcode {
                     b'C' => 1,
@@ -145,7 +155,15 @@ impl<'a, 'b> Machine<'a, 'b> {
             }
             b']' | b'l' | b')' | b't' | 0x85..=0x87 | b'}' | b'd' => self.container(opcode),
             b'a' | b'e' | b's' | b'u' => self.add(opcode),
-            // BINPUT, LONG_BINPUT, MEMOIZE, BINGET, LONG_BINGET
+            // PUT, GET, BINPUT, LONG_BINPUT, MEMOIZE, BINGET, LONG_BINGET
+            b'p' | b'g' => {
+                let key = self
+                    .input
+                    .line()?
+                    .parse()
+                    .map_err(|_| Fault::Damaged("a memo in it has no number"))?;
+                if opcode == b'p' { self.memoize(key) } else { self.recall(key) }
+            }
             b'q' => {
                 let key = self.input.unsigned(1)?;
                 self.memoize(key)
@@ -280,11 +298,7 @@ impl<'a, 'b> Machine<'a, 'b> {
             _ => 8,
         })?;
         if matches!(opcode, b'T' | b'U') {
-            // Python 2's str: bytes in arrays, words elsewhere.
-            return match std::str::from_utf8(bytes) {
-                Ok(text) if text.len() < 64 => self.push(Value::Str(Cow::Borrowed(text)), 0),
-                _ => self.push(Value::Bytes(Cow::Borrowed(bytes)), 0),
-            };
+            return self.push(lines::str_of_python_2(bytes), 0);
         }
         let text =
             std::str::from_utf8(bytes).map_err(|_| Fault::Damaged("a word in it is no text"))?;

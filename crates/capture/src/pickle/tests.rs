@@ -4,7 +4,9 @@ use proptest::prelude::*;
 
 use super::*;
 
-const PROTOCOLS: [&[u8]; 5] = [
+const PROTOCOLS: [&[u8]; 7] = [
+    include_bytes!("../../testdata/arrays-p0.pkl"),
+    include_bytes!("../../testdata/arrays-p1.pkl"),
     include_bytes!("../../testdata/arrays-p2.pkl"),
     include_bytes!("../../testdata/arrays-p3.pkl"),
     include_bytes!("../../testdata/arrays-p4.pkl"),
@@ -44,6 +46,35 @@ fn arrays_of_every_protocol_are_read() {
         assert!(pickle.entry("s").unwrap_err().to_string().contains("a float"));
         assert!(pickle.array().unwrap_err().to_string().contains("a dict"));
     }
+}
+
+/// Protocol 0 of Python 2 has its arrays as literals.
+#[test]
+fn lines_of_text_are_values() {
+    let array = b"cnumpy.core.multiarray\n_reconstruct\np1\n(cnumpy\nndarray\np2\n(I0\ntp3\nS'b'\np4\ntp5\nRp6\n\
+        (I1\n(I2\ntp7\ncnumpy\ndtype\np8\n(S'u1'\np9\nI0\nI1\ntp10\nRp11\n\
+        (I3\nS'|'\np12\nNNNI-1\nI-1\nI0\ntp13\nbI00\nS'\\xff\\n'\np14\ntp15\nb.";
+    let array = load(array).unwrap().array().unwrap();
+    assert_eq!(array.bytes(&mut budget()).unwrap(), [255, 10]);
+    let numbers = b"(dp0\nVa\\u00e4\np1\nF2.5\nsVb\np2\nL7L\nsS\"it's\"\np3\nI-3\ns.";
+    let pickle = load(numbers).unwrap();
+    let found = ["a\u{e4}", "b", "it's"].map(|key| pickle.number(key).unwrap());
+    assert_eq!(found, [Some(2.5), Some(7.0), Some(-3.0)]);
+    for damaged in [
+        &b"I1x\n."[..],
+        b"F\n.",
+        b"S'a\n.",
+        b"S'\\x0'\n.",
+        b"V\\u12\n.",
+        b"V\\ud800\n.",
+        b"g1\n.",
+        b"I1\np-1\n.",
+        b"I99999999999999999999\n.",
+        b"I1",
+    ] {
+        assert!(matches!(refused(damaged), Error::Damaged { .. }), "{damaged:?}");
+    }
+    assert!(matches!(refused(b"I1\np99999999\n."), Error::Pickle { .. }));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod writer;
 
 pub(super) use reader::read;
 pub(crate) use section::Section;
+pub(super) use section::{DistortionEntry, IntrinsicsEntry, PoseEntry};
 pub use writer::{BundleOptions, write_bundle, write_bundle_to};
 
 #[cfg(test)]

@@ -18,12 +18,15 @@ pub struct Camera {
     pub intrinsics: Intrinsics,
     /// Distortion by the lens.
     pub distortion: Distortion,
-    /// From the camera to the world: one for a camera that stands, or one for each frame; none if the
-    /// camera is not calibrated, with which nothing can be placed in space.
+    /// From the camera to the world: one for a camera that stands, or one for each frame; empty if no
+    /// camera of the recording is calibrated.
     pub poses: Vec<Pose>,
     /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that
     /// are missing, shape [T]; empty if the recording has no times.
     pub times_s: Vec<f64>,
+    /// Frames per second of this camera, if it is known to be lower than that of the recording: the
+    /// frames between have no images of it.
+    pub fps: Option<f64>,
 }
 
 /// A pinhole in pixels: `u = fx x/z + cx`, `v = fy y/z + cy`.
@@ -60,26 +63,6 @@ pub struct Pose {
     pub translation: [f64; 3],
 }
 
-impl Pose {
-    /// The pose of a camera at the origin that looks along z.
-    pub const IDENTITY: Self = Self {
-        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.0; 3],
-    };
-
-    /// From a quaternion x, y, z, w of any length; not a number if it has none.
-    pub(super) fn from_quaternion(quaternion: [f64; 4], translation: [f64; 3]) -> Self {
-        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
-        let [x, y, z, w] = quaternion.map(|q| q / length);
-        let rotation = [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-        ];
-        Self { rotation, translation }
-    }
-}
-
 impl Camera {
     /// The pixel at which a point of the world appears, as column and row, and its depth along the
     /// optical axis [m]. `None` behind the camera. It may lie outside the image.
@@ -102,7 +85,7 @@ impl Camera {
         self.pose(frame).to_world([x * depth_m, y * depth_m, depth_m])
     }
 
-    /// Pose in a frame; the identity if the camera is not calibrated.
+    /// Pose in a frame; [`Pose::IDENTITY`] if the camera is not calibrated.
     pub fn pose(&self, frame: usize) -> &Pose {
         self.poses.get(frame).or(self.poses.first()).unwrap_or(&Pose::IDENTITY)
     }
@@ -179,6 +162,54 @@ impl Distortion {
 }
 
 impl Pose {
+    /// A camera at the world's origin that looks along z, x to the right and y down.
+    pub const IDENTITY: Self = Self {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
+    /// From a quaternion x, y, z, w of any length; not a number if it has none.
+    pub(super) fn from_quaternion(quaternion: [f64; 4], translation: [f64; 3]) -> Self {
+        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let [x, y, z, w] = quaternion.map(|q| q / length);
+        let rotation = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        Self { rotation, translation }
+    }
+
+    /// The motion that does `first`, then this.
+    #[must_use]
+    pub fn after(&self, first: &Self) -> Self {
+        Self {
+            rotation: std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    (0..3).map(|k| self.rotation[i][k] * first.rotation[k][j]).sum()
+                })
+            }),
+            translation: self.moved(first.translation),
+        }
+    }
+
+    /// The motion that undoes this.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let r = &self.rotation;
+        let rotation: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| r[j][i]));
+        let back = Self { rotation, translation: [0.0; 3] };
+        Self { rotation, translation: back.moved(self.translation).map(|x| -x) }
+    }
+
+    /// Where the motion takes a place.
+    pub fn moved(&self, p: [f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|i| {
+            r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2] + self.translation[i]
+        })
+    }
+
     /// From the rows of a matrix of 4 x 4, whose last is 0, 0, 0, 1, or of 3 x 4, which lacks it.
     pub(super) fn from_rows(camera: &str, m: &[[f64; 4]]) -> Result<Self, Error> {
         let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });

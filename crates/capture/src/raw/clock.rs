@@ -1,5 +1,7 @@
 //! Cameras that took their images when they liked, brought onto common frames.
 
+pub(super) mod retimed;
+
 use crate::{Error, files::at_most};
 
 /// Assignment of images to frames.

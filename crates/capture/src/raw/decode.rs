@@ -3,16 +3,35 @@
 
 mod depth;
 mod jpeg;
+mod labels;
+pub(super) mod masks;
+pub(super) mod orientation;
 mod png;
 
 pub(super) use self::depth::{
-    DepthUnit, alike, decode as depth, from_png as depth_png, measured, settle as settle_depth,
+    DepthUnit, alike, decode as depth, form as depth_form, from_png as depth_png, measured,
+    settle as settle_depth, unit_fault,
 };
+pub(crate) use self::labels::number as label_number;
+pub(super) use self::labels::{labels, word as label_word};
+use self::orientation::Orientation;
 use super::{ColorImage, Image, Mask};
 use crate::Error;
 
 /// Columns and rows.
 pub(super) type Size = [usize; 2];
+
+/// What counts of colour images that declare an orientation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// No image is known to declare one: an image that does is refused.
+    #[default]
+    Undeclared,
+    /// The pixels as stored.
+    Stored,
+    /// The picture after the declared turn.
+    Shown,
+}
 
 /// Samples of an image of any number of channels.
 pub(super) struct Samples {
@@ -26,7 +45,28 @@ pub(super) struct Samples {
 
 /// Colour from a PNG or JPEG file, recognized by its content.
 pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Error> {
-    let samples = samples(at, bytes, false, size)?;
+    color_turned(at, bytes, size, Turn::Stored)
+}
+
+/// Colour from a PNG or JPEG file that may declare an orientation; `size` is that after the turn.
+pub(super) fn color_turned(
+    at: &str,
+    bytes: &[u8],
+    size: Size,
+    turn: Turn,
+) -> Result<ColorImage, Error> {
+    let declared = match turn {
+        Turn::Stored => Orientation::NONE,
+        Turn::Undeclared | Turn::Shown => orientation::of(bytes),
+    };
+    if turn == Turn::Undeclared && declared != Orientation::NONE {
+        return Err(Error::Turned {
+            at: at.to_owned(),
+            turn: declared.words(),
+            number: declared.number(),
+        });
+    }
+    let samples = declared.turn(samples(at, bytes, declared.turned_size(size))?);
     let pixels = match samples.channels {
         3 => samples.data.as_chunks().0.to_vec(),
         4 => samples.data.as_chunks().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
@@ -35,28 +75,37 @@ pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Er
     Ok(Image { width: size[0], height: size[1], pixels })
 }
 
-/// A mask from a PNG file: true where any channel but alpha is not zero.
+/// A mask from a PNG or JPEG file: true where there is any label.
 pub(super) fn mask(at: &str, bytes: &[u8], size: Size) -> Result<Mask, Error> {
-    // In 16 bits a mask may have values whose higher byte is 0.
-    let samples = samples(at, bytes, true, size)?;
-    let channels = samples.channels.max(1);
-    let width = if samples.deep { 2 } else { 1 };
-    let shown = width * if channels > 2 { 3 } else { 1 };
-    let pixels = samples.data.chunks_exact(width * channels);
-    let pixels = pixels.map(|p| p.iter().take(shown).any(|x| *x != 0));
-    Ok(Image { width: size[0], height: size[1], pixels: pixels.collect() })
+    let Image { width, height, pixels } = labels(at, bytes, size)?;
+    Ok(Image { width, height, pixels: pixels.into_iter().map(|label| label != 0).collect() })
 }
 
-/// Samples of one byte, or unchanged ones if `deep`.
-fn samples(at: &str, bytes: &[u8], deep: bool, size: Size) -> Result<Samples, Error> {
+/// Samples of one byte.
+fn samples(at: &str, bytes: &[u8], size: Size) -> Result<Samples, Error> {
     let check = |found: Size| same_size(at, found, size);
     if bytes.starts_with(png::MAGIC) {
-        png::decode(at, bytes, deep, check)
+        png::decode(at, bytes, false, check)
     } else if bytes.starts_with(jpeg::MAGIC) {
         jpeg::decode(at, bytes, check)
     } else {
         Err(damaged(at, "it is neither a PNG nor a JPEG image"))
     }
+}
+
+/// Columns and rows of a PNG or JPEG file, without decoding it; `None` if it is damaged.
+pub(super) fn size_of(bytes: &[u8]) -> Option<Size> {
+    let mut size = None;
+    let stop = |found| {
+        size = Some(found);
+        Err(damaged("", ""))
+    };
+    if bytes.starts_with(png::MAGIC) {
+        let _stopped = png::decode("", bytes, false, stop);
+    } else if bytes.starts_with(jpeg::MAGIC) {
+        let _stopped = jpeg::decode("", bytes, stop);
+    }
+    size
 }
 
 fn same_size(at: &str, found: Size, needed: Size) -> Result<(), Error> {

@@ -7,7 +7,7 @@ mod writer;
 
 use std::sync::Arc;
 
-use bendtwin_core::{Environment, Plane};
+use bendtwin_core::{Environment, Finding, Plane};
 
 pub use self::writer::write_nerfstudio;
 use self::{
@@ -16,9 +16,9 @@ use self::{
 };
 use super::{
     Camera, Pose, Recording,
-    decode::DepthUnit,
+    decode::{DepthUnit, unit_fault},
     gripper, numbering,
-    stored::{CameraFiles, DepthNames, Names, StoredFrames},
+    stored::{CameraFiles, DepthNames, MaskFiles, Names, StoredFrames, probe},
     validity,
 };
 use crate::{
@@ -35,18 +35,19 @@ const DEPTH_UNIT_M: f64 = 0.001;
 
 /// Reads the recording at the root of `files`, but none of its frames.
 pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
-    let document: Document = json(&files.read_document(MARKER)?, MARKER)?;
+    let mut document: Document = json(&files.read_document(MARKER)?, MARKER)?;
+    document.settle_paths();
     let up = document.up_axis.as_deref().unwrap_or("+z");
     let frame = Frame::from_up(up).ok_or_else(|| {
         Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
     })?;
     let unit_m = document.depth_unit_scale_factor.unwrap_or(DEPTH_UNIT_M);
     let scale = document.applied_scale.unwrap_or(1.0);
-    for (key, value) in [("depth_unit_scale_factor", unit_m), ("applied_scale", scale)] {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(wrong(format!("`{key}` is {value}: it must be above 0")));
-        }
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(wrong(format!("`applied_scale` is {scale}: it must be above 0")));
     }
+    let unit = DepthUnit::declared(unit_m)
+        .ok_or_else(|| wrong(unit_fault("depth_unit_scale_factor", unit_m)))?;
     let groups = group(&document, &files.limits)?;
     let frame_count = groups.frame_count;
     validity::count(groups.cameras.len(), frame_count, &files.limits)?;
@@ -59,10 +60,8 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         for (what, names) in [("colour images", Some(&of.color)), ("depth images", depth)] {
             expect_some(&files, &camera.name, what, names)?;
         }
-        stored.push(CameraFiles {
-            depth: of.depth.map(|depth| DepthNames { unit: DepthUnit::Declared(unit_m), ..depth }),
-            ..of
-        });
+        stored
+            .push(CameraFiles { depth: of.depth.map(|depth| DepthNames { unit, ..depth }), ..of });
         cameras.push(camera);
     }
     let train = document.train_frame_count.unwrap_or((frame_count as f64 * 0.7).round() as usize);
@@ -76,7 +75,20 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
             })
             .ok_or_else(|| wrong("`ground` has no direction: give a unit normal".into()))
     });
+    let mut notes: Vec<Finding> = crate::format::taken(&files.list("")).into_iter().collect();
+    let chosen = probe::chosen_turn(document.image_orientation.as_deref(), MARKER)?;
+    let mut stored = StoredFrames::new(files.fork(), frame_count, stored)?;
+    let forms = probe::look(&mut stored, &cameras, chosen, &mut notes)?;
     let mut sources = Sources::default();
+    let from = |of: &CameraFiles| {
+        let depth = of.depth.as_ref().map(|depth| folder_of(&depth.names)).unwrap_or_default();
+        [folder_of(&of.color), depth, String::new()]
+    };
+    let from: Vec<[String; 3]> = stored.cameras.iter().map(from).collect();
+    probe::tell(&mut sources, &cameras, &forms, &from);
+    sources.take("lens", None, MARKER, "");
+    sources.take("pose", None, MARKER, "camera to world, OpenGL's axes");
+    sources.take("frames", None, MARKER, groups.timed);
     let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
     Ok(Recording {
         name: files.name.clone(),
@@ -89,11 +101,18 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
-        notes: crate::format::taken(&files.list("")).into_iter().collect(),
         grippers,
+        notes,
         sources,
-        source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
+        source: Arc::new(stored),
     })
+}
+
+/// The folder of a list of images.
+fn folder_of(names: &Names) -> String {
+    let Names::Listed(names) = names else { return String::new() };
+    let first = names.iter().flatten().next().map_or("", String::as_str);
+    first.rsplit_once('/').map_or(first, |(folder, _)| folder).to_owned()
 }
 
 /// Refuses a list of images if all are missing.
@@ -166,7 +185,7 @@ fn camera(
     }
     let some = |names: Names| match &names {
         Names::Listed(list) if list.iter().all(Option::is_none) => Vec::new(),
-        _ => vec![names],
+        _ => vec![MaskFiles::of(names)],
     };
     let camera = Camera {
         name: group.name.clone(),
@@ -176,14 +195,17 @@ fn camera(
         distortion: lens.distortion(&group.name)?,
         poses: filled(&poses),
         times_s: group.times_s.clone(),
+        fps: None,
     };
     let files = CameraFiles {
         size: [width, height],
         color: list(|e| Some(&e.file_path))?,
-        depth: Some(DepthNames { names: depth, unit: DepthUnit::Declared(1.0) }),
+        turn: Default::default(),
+        depth: Some(DepthNames::aligned(depth, DepthUnit::Declared(1.0))),
         object: some(list(|e| e.mask_path.as_ref())?),
         manipulator: some(list(|e| e.manipulator_mask_path.as_ref())?),
         tracks: None,
+        span: None,
     };
     Ok((camera, files))
 }

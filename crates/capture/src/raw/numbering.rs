@@ -1,7 +1,7 @@
 //! Numbers in the names of images: which image belongs to which frame, for any spelling of names
 //! and any first number.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
 use bendtwin_core::Finding;
 
@@ -15,9 +15,6 @@ use crate::{
 pub(super) const COLOR: &[&str] = &["png", "jpg", "jpeg"];
 /// Extensions of depth images, the preferred first: a PNG beside an array is a picture of it.
 pub(super) const DEPTH: &[&str] = &["npy", "png"];
-/// Extensions of masks.
-pub(super) const MASK: &[&str] = &["png"];
-
 /// Bytes of memory that a name takes beside its letters.
 const NAME_BYTES: usize = 64;
 
@@ -55,11 +52,21 @@ impl Images {
         folder: &str,
         extensions: &[&str],
     ) -> Result<Self, Error> {
-        let mut images = Self { at: folder.to_owned(), by_number: BTreeMap::new() };
         let names = files.list(folder).files;
+        Self::among(files, folder, &names, extensions)
+    }
+
+    /// The images among these names of a folder, that have one of these extensions and a number.
+    pub(super) fn among(
+        files: &mut Files<'_>,
+        folder: &str,
+        names: &[String],
+        extensions: &[&str],
+    ) -> Result<Self, Error> {
+        let mut images = Self { at: folder.to_owned(), by_number: BTreeMap::new() };
         for extension in extensions {
             let mut of_this: BTreeMap<u64, &String> = BTreeMap::new();
-            for name in &names {
+            for name in names {
                 let Some((stem, ending)) = name.rsplit_once('.') else { continue };
                 if !ending.eq_ignore_ascii_case(extension) {
                     continue;
@@ -128,8 +135,25 @@ impl Images {
         Some(finding.cameras([camera]))
     }
 
+    /// Names in the order of their numbers.
+    pub(super) fn in_order(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.by_number.values().map(String::as_str)
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.by_number.is_empty()
+    }
+
+    /// `true` if there is an image of this number.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.by_number.contains_key(&number)
+    }
+
+    /// Frames from its first image to its last.
+    pub(super) fn span(&self, numbering: Numbering) -> Option<Range<usize>> {
+        let (first, last) = self.range()?;
+        let frame = |number: u64| usize::try_from(number.checked_sub(numbering.first)?).ok();
+        Some(frame(first)?..frame(last)?.saturating_add(1).min(numbering.frame_count))
     }
 
     /// First and last number.
@@ -175,7 +199,7 @@ impl Images {
 }
 
 /// The frame's number in a file's name: the digits at its end, or the only ones that it has.
-fn number(stem: &str) -> Option<u64> {
+pub(super) fn number(stem: &str) -> Option<u64> {
     // Times in seconds are no numbers of frames.
     if stem.contains('.') {
         return None;
@@ -215,6 +239,16 @@ pub(super) fn align(
         return Err(unlike(all, &format!("{count} frames ({at})")));
     }
     Ok(Numbering { first, frame_count: count })
+}
+
+/// Numbers of images from the smallest to the largest, of cameras that count on their own.
+pub(super) fn span(all: &[&Images], limits: &Limits) -> Result<Numbering, Error> {
+    let ranges = || all.iter().filter_map(|images| images.range());
+    let first = ranges().map(|r| r.0).min().unwrap_or(0);
+    let last = ranges().map(|r| r.1).max().unwrap_or(0);
+    let span = usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1);
+    at_most("frames of a recording", span, limits.recording_frames)?;
+    Ok(Numbering { first, frame_count: span })
 }
 
 /// Refuses a number of frames that is not that of the images.

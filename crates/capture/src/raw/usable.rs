@@ -51,6 +51,10 @@ impl Source for Usable {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
         Ok(Box::new(UsableFrames(self.0.frames(camera)?)))
     }
+
+    fn color_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        self.0.color_stem(camera, frame)
+    }
 }
 
 struct UsableFrames<'a>(Box<dyn Frames + 'a>);

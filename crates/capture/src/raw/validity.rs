@@ -3,7 +3,10 @@
 
 use bendtwin_core::{FRAME_RATES, geometry};
 
-use super::{Camera, Distortion, Pose, Recording};
+use super::{
+    Camera, Distortion, Intrinsics, Pose, Recording,
+    realign::{DepthCamera, Lens},
+};
 use crate::{Error, Limits, files::at_most};
 
 /// Largest deviation of rows from orthonormal: calibrations are written with few digits.
@@ -11,6 +14,9 @@ const ORTHONORMAL: f64 = 1e-2;
 
 /// Positions beyond this [m] are no calibration of cameras around a table.
 const FARTHEST_M: f64 = 1e4;
+
+/// A depth sensor farther than this from the colour sensor [m] is another camera.
+const FARTHEST_FROM_COLOR_M: f64 = 2.0;
 
 /// Checks numbers and counts and makes rotations exact.
 ///
@@ -35,6 +41,15 @@ pub(super) fn settle(recording: &mut Recording, limits: &Limits) -> Result<(), E
             recording.truth_tracks.len()
         )));
     }
+    let placed = recording.cameras.iter().filter(|camera| !camera.poses.is_empty()).count();
+    if placed > 0
+        && let Some(camera) = recording.cameras.iter().find(|camera| camera.poses.is_empty())
+    {
+        return Err(Error::Camera {
+            camera: camera.name.clone(),
+            fault: "it has no pose, and other cameras have".to_owned(),
+        });
+    }
     for camera in &mut recording.cameras {
         settle_camera(camera, frames, limits)?;
     }
@@ -53,26 +68,46 @@ pub(super) fn count(cameras: usize, frames: usize, limits: &Limits) -> Result<()
     Ok(())
 }
 
+/// The depth camera beside a colour camera, its pose made exact.
+///
+/// # Errors
+/// If its lens or pose is impossible.
+pub(super) fn depth_camera(
+    color: &Camera,
+    depth: Lens,
+    to_color: &Pose,
+    limits: &Limits,
+) -> Result<DepthCamera, Error> {
+    let name = format!("{} (depth)", color.name);
+    check_size(&name, depth.size, limits)?;
+    check_intrinsics(&name, &depth.intrinsics)?;
+    check_distortion(&name, &depth.distortion)?;
+    let colors = Lens {
+        size: [color.width, color.height],
+        intrinsics: color.intrinsics,
+        distortion: color.distortion,
+    };
+    check_intrinsics(&color.name, &colors.intrinsics)?;
+    check_distortion(&color.name, &colors.distortion)?;
+    let [x, y, z] = to_color.translation;
+    if x.hypot(y).hypot(z) > FARTHEST_FROM_COLOR_M {
+        return Err(Error::Camera {
+            camera: name,
+            fault: format!(
+                "its place is {:?} m from the colour camera: give metres, from the depth camera to the colour camera",
+                to_color.translation
+            ),
+        });
+    }
+    Ok(DepthCamera::new(depth, colors, settle_pose(&name, to_color)?))
+}
+
 fn settle_camera(camera: &mut Camera, frames: usize, limits: &Limits) -> Result<(), Error> {
     let name = camera.name.clone();
     let fail = |fault: String| Err(Error::Camera { camera: name.clone(), fault });
     check_size(&camera.name, [camera.width, camera.height], limits)?;
-    let i = camera.intrinsics;
-    if ![i.fx, i.fy].iter().all(|f| f.is_finite() && *f > 1e-3 && *f < 1e7) {
-        return fail(format!("its focal lengths are {} and {} pixels", i.fx, i.fy));
-    }
-    if ![i.cx, i.cy].iter().all(|c| c.is_finite() && c.abs() < 1e7) {
-        return fail(format!("its principal point is ({}, {})", i.cx, i.cy));
-    }
-    let coefficients: &[f64] = match &camera.distortion {
-        Distortion::None => &[],
-        Distortion::BrownConrady(k) => k,
-        Distortion::KannalaBrandt(k) => k,
-    };
-    if !coefficients.iter().all(|k| k.is_finite() && k.abs() < 1e6) {
-        return fail(format!("its distortion is {coefficients:?}"));
-    }
-    // One without a pose is not calibrated, which the report says.
+    check_intrinsics(&camera.name, &camera.intrinsics)?;
+    check_distortion(&camera.name, &camera.distortion)?;
     if camera.poses.len() > 1 && camera.poses.len() != frames {
         return fail(format!(
             "it has {} poses for {frames} frames: one, or one each",
@@ -92,6 +127,32 @@ fn settle_camera(camera: &mut Camera, frames: usize, limits: &Limits) -> Result<
         return fail(format!("one of its times is {t}"));
     }
     Ok(())
+}
+
+/// Refuses a pinhole that no camera has.
+pub(super) fn check_intrinsics(camera: &str, i: &Intrinsics) -> Result<(), Error> {
+    let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });
+    if ![i.fx, i.fy].iter().all(|f| f.is_finite() && *f > 1e-3 && *f < 1e7) {
+        return fail(format!("its focal lengths are {} and {} pixels", i.fx, i.fy));
+    }
+    if ![i.cx, i.cy].iter().all(|c| c.is_finite() && c.abs() < 1e7) {
+        return fail(format!("its principal point is ({}, {})", i.cx, i.cy));
+    }
+    Ok(())
+}
+
+/// Refuses coefficients that are no numbers.
+pub(super) fn check_distortion(camera: &str, distortion: &Distortion) -> Result<(), Error> {
+    let coefficients: &[f64] = match distortion {
+        Distortion::None => &[],
+        Distortion::BrownConrady(k) => k,
+        Distortion::KannalaBrandt(k) => k,
+    };
+    if coefficients.iter().all(|k| k.is_finite() && k.abs() < 1e6) {
+        return Ok(());
+    }
+    let fault = format!("its distortion is {coefficients:?}");
+    Err(Error::Camera { camera: camera.to_owned(), fault })
 }
 
 /// Refuses sizes that no camera has.

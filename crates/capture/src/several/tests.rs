@@ -56,7 +56,7 @@ fn several_recordings_are_written_and_read() {
         panic!("not several")
     };
     let is_taken = |part: &Part| match &part.opened {
-        Opened::Observed(_, notes) => notes.iter().any(|note| note.code == "FORMAT_TAKEN"),
+        Opened::Observed(_, notes) => notes.findings.iter().any(|note| note.code == "FORMAT_TAKEN"),
         _ => true,
     };
     assert!(!parts.iter().any(is_taken));

@@ -17,7 +17,7 @@ pub enum Error {
     Damaged(String),
     /// A part of its format that is not read.
     #[error(
-        "the file of Gaussians has {0}, which is not read: export it as binary little-endian .ply with x, f_dc, opacity, scale and rot, or as .spz of version 2 or 3"
+        "the file of Gaussians has {0}, which is not read: export it as binary little-endian .ply with x, f_dc, opacity, scale and rot, or as .spz of version 2, 3 or 4"
     )]
     #[problem(InvalidArgument, "SPLATS_UNSUPPORTED")]
     Unsupported(String),

@@ -80,6 +80,65 @@ fn a_spz_is_decoded() {
     }
 }
 
+/// Writers leave out harmonics of degree 0, whose stream would be empty.
+#[test]
+fn a_spz_of_version_4_is_decoded() {
+    let usual = read(&spz(3, 1, &[])).unwrap();
+    for degree in [0, 1] {
+        let loaded = read(&spz_4(degree, &[])).unwrap();
+        assert_near(&loaded.gaussians, &usual.gaussians, 0.0);
+        assert_eq!(loaded.left_out_harmonics, usize::from(degree) * 3);
+    }
+    // An unknown extension, and the one that names the axes: left, up, forward.
+    let words = |words: &[u32]| words.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<_>>();
+    let extensions = [words(&[0xADBE_0002, 12]), vec![7; 12], words(&[0xADBE_0003, 4, 7])].concat();
+    let loaded = read(&spz_4(1, &extensions)).unwrap().gaussians;
+    let [x, y, z] = usual.gaussians.means_m[0];
+    assert_eq!(loaded.means_m, [[-x, y, -z]]);
+    let [x, y, z, w] = usual.gaussians.rotations[0];
+    assert_eq!(loaded.rotations, [[-x, y, -z, w]]);
+    let exchanged = words(&[0xADBE_0003, 4, 9]);
+    assert_eq!(read(&spz_4(1, &exchanged)).unwrap_err().reason(), "SPLATS_UNSUPPORTED");
+    let good = spz_4(1, &extensions);
+    for at in 0..good.len() {
+        assert!(read(&good[..at]).is_err(), "{at}");
+    }
+    let mut other = good;
+    other[4] = 5;
+    assert_eq!(read(&other).unwrap_err().reason(), "SPLATS_UNSUPPORTED");
+}
+
+/// The Gaussian of [`spz`] as version 4 has it.
+fn spz_4(degree: u8, extensions: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::new();
+    std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&*spz(3, 1, &[])), &mut plain)
+        .unwrap();
+    let mut rest = &plain[16..];
+    let mut streams = Vec::new();
+    for bytes in [9, 1, 3, 3, 4, 9 * usize::from(degree)] {
+        let (stream, after) = rest.split_at(bytes);
+        rest = after;
+        if !stream.is_empty() {
+            let level = ruzstd::encoding::CompressionLevel::Fastest;
+            streams.push((stream.len(), ruzstd::encoding::compress_to_vec(stream, level)));
+        }
+    }
+    let mut bytes = b"NGSP".to_vec();
+    for word in [4, 1_u32] {
+        bytes.extend(word.to_le_bytes());
+    }
+    bytes.extend([degree, 12, if extensions.is_empty() { 0 } else { 2 }, streams.len() as u8]);
+    bytes.extend((32 + extensions.len() as u32).to_le_bytes());
+    bytes.extend([0; 12]);
+    bytes.extend(extensions);
+    for (length, packed) in &streams {
+        bytes.extend((packed.len() as u64).to_le_bytes());
+        bytes.extend((*length as u64).to_le_bytes());
+    }
+    bytes.extend(streams.into_iter().flat_map(|(_, packed)| packed));
+    bytes
+}
+
 /// A Gaussian, or a header that claims more.
 fn spz(version: u32, count: u32, extra: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();

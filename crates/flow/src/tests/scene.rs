@@ -232,5 +232,6 @@ fn camera(number: usize, translation: [f64; 3]) -> Camera {
             translation,
         }],
         times_s: Vec::new(),
+        fps: None,
     }
 }

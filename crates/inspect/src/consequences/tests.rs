@@ -51,3 +51,25 @@ fn no_fault_follows_from_itself() {
     let found = left(&all.collect::<Vec<_>>());
     assert!(found.iter().all(|f| !f.consequences.contains(&f.code)), "{found:?}");
 }
+
+#[test]
+fn damage_throughout_explains_the_cameras_that_it_empties() {
+    let damage = |camera| Finding::error("FRAMES_DAMAGED", "16-bit").cameras([camera]);
+    let empty = |camera| Finding::error("CAMERA_EMPTY", "no frame").cameras([camera]);
+    let found = left(&[damage(0), empty(0), damage(1), empty(1), empty(2)]);
+    let kept: Vec<(&str, usize)> = found.iter().map(|f| (f.code.as_str(), f.cameras[0])).collect();
+    assert_eq!(kept, [("FRAMES_DAMAGED", 0), ("FRAMES_DAMAGED", 1), ("CAMERA_EMPTY", 2)]);
+    // A single damaged file explains no camera without masks.
+    let one = Finding::warning("FRAMES_DAMAGED", "cut off").cameras([0]);
+    let found = left(&[one, Finding::error("MASKS_MISSING", "no masks")]);
+    assert_eq!(found.len(), 2);
+}
+
+#[test]
+fn what_a_finding_names_is_not_said_again() {
+    let cause = Finding::warning("HELD_MARKERS_MISSING", "none is held").explains("NO_CONTROLS");
+    let found = left(&[cause.clone(), Finding::warning("NO_CONTROLS", "none")]);
+    assert_eq!(found, [cause.clone()]);
+    // A worse one is.
+    assert_eq!(left(&[cause, Finding::error("NO_CONTROLS", "none")]).len(), 2);
+}

@@ -17,7 +17,9 @@ pub(crate) enum PoseChange {
     RotationInverse,
     /// OpenGL's camera axes were written for OpenCV's.
     OpenGl,
-    /// Both.
+    /// The axes of a robot's body (x forward, y left, z up; ROS REP 103) were written for OpenCV's.
+    Body,
+    /// Both the inversion and OpenGL's axes.
     InverseOpenGl,
     /// The world was mirrored along an axis, and the camera's x with it.
     Mirrored(usize),
@@ -50,6 +52,12 @@ pub(crate) struct Motion {
 impl Motion {
     pub(crate) fn apply(&self, p: Vector) -> Vector {
         add(turn(&self.rotation, p), self.translation)
+    }
+}
+
+impl From<Motion> for Pose {
+    fn from(motion: Motion) -> Self {
+        Self { rotation: motion.rotation, translation: motion.translation }
     }
 }
 
@@ -136,6 +144,8 @@ impl PoseChange {
             }
             Self::RotationInverse => Pose { rotation: transposed, translation: t },
             Self::OpenGl => Pose { rotation: r.map(|[x, y, z]| [x, -y, -z]), translation: t },
+            // OpenCV's z is the body's x, its x the body's -y, its y the body's -z.
+            Self::Body => Pose { rotation: r.map(|[x, y, z]| [-y, -z, x]), translation: t },
             Self::InverseOpenGl => Self::OpenGl.apply(&Self::Inverse.apply(pose)),
             Self::Mirrored(axis) => Pose {
                 rotation: std::array::from_fn(|i| {

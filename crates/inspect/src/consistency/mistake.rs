@@ -67,6 +67,7 @@ fn mistakes(set: &ViewSet<'_>, declared: &Hypothesis) -> Vec<(Mistake, Hypothesi
     let changes = [
         PoseChange::Inverse,
         PoseChange::OpenGl,
+        PoseChange::Body,
         PoseChange::InverseOpenGl,
         PoseChange::RotationInverse,
         PoseChange::Mirrored(0),

@@ -46,7 +46,8 @@ pub(crate) fn compare<'a>(
         let pixel = pixel_of(other.camera, there)
             .filter(|[u, v]| (0.0..columns - 0.5).contains(u) && (0.0..rows - 0.5).contains(v));
         let Some(pixel) = pixel else {
-            reprojection.outside_image += 1;
+            // What leaves the image may be outside.
+            reprojection.outside_image += usize::from(!crop.at_border);
             continue;
         };
         reprojection.inside_image += 1;

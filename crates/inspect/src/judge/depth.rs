@@ -59,6 +59,14 @@ fn apart(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let limits = &context.thresholds.depth;
     let shares = scan.frames.iter().filter_map(|g| Some(g.object?.surface?.apart));
     let Some(part) = median(shares).filter(|p| *p > limits.max_apart_share) else { return };
+    // A cable that is seen end-on reaches farther in depth than across the image.
+    let extent = |scan: &CameraScan| {
+        median(scan.frames.iter().filter_map(|g| Some(g.object?.surface?.extent_m)))
+    };
+    let longest = context.scans.iter().filter_map(extent).fold(0.0, f64::max);
+    if extent(scan).is_some_and(|own| longest > limits.end_on_ratio * own) {
+        return;
+    }
     let message = format!(
         "{:.0} % of the depth on the object in {} lies far before or behind it",
         100.0 * part,

@@ -1,11 +1,12 @@
 //! Judge of masks that are missing, empty, inverted, overlapping, or that jump. Exchanged masks
 //! need the other cameras: see `agreement::labels`.
 
-use super::{Assessment, Context, named};
+use super::{Assessment, Context, named, paths::Path};
 use crate::{
     Code, Finding,
     scan::{CameraScan, FrameStats, mask::MaskStats},
-    statistics::{median, share},
+    statistics::{mean, median, share},
+    vector::{Vector, distance, pixel_of, to_camera},
 };
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
@@ -25,14 +26,15 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         assessment.findings.push(Finding::error(Code::MasksMissing, message));
         return;
     }
+    if let Some(finding) = not_followed(context) {
+        assessment.findings.push(finding);
+        return;
+    }
     if !any(|g| g.object.is_some_and(|p| p.area_px > 0)) {
         let message = "the object's mask is empty in every frame of every camera";
         assessment.findings.push(Finding::error(Code::ObjectNotSeen, message));
     }
-    if !any(|g| g.manipulator.is_some_and(|p| p.depth_px > 0)) {
-        let message = "no camera sees a hand or gripper: its masks are missing or empty";
-        assessment.findings.push(Finding::warning(Code::ManipulatorNotSeen, message));
-    }
+    forgotten(context, assessment);
     for (index, scan) in context.scans.iter().enumerate() {
         empty(context, index, scan, assessment);
         covering(context, index, scan, assessment);
@@ -40,6 +42,80 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         jumps(context, index, scan, assessment);
     }
     exchanged(context, assessment);
+}
+
+/// The finding that only a few images have masks, as clicks give them: the others have none at all, or
+/// all but one frame have empty ones.
+fn not_followed(context: &Context<'_>) -> Option<Finding> {
+    let limits = &context.thresholds.masks;
+    let has_mask = |g: &&FrameStats| g.object.is_some() || g.manipulator.is_some();
+    let count = |scan: &CameraScan| scan.frames.iter().filter(has_mask).count();
+    let most = context.scans.iter().map(count).max()?;
+    let seen = |scan: &CameraScan| scan.frames.iter().filter(|g| g.color.is_some()).count();
+    let images = context.scans.iter().map(seen).max()?;
+    let shows = |g: &FrameStats| g.object.is_some_and(|p| p.area_px > 0);
+    let frames = 0..context.recording.frame_count;
+    let shown =
+        frames.filter(|f| context.scans.iter().any(|s| s.frames.get(*f).is_some_and(shows)));
+    let is_one = images >= limits.min_followed_frames && shown.take(2).count() == 1;
+    if most == 0 || (share(most, images) > limits.min_masked_share && !is_one) {
+        return None;
+    }
+    let first =
+        context.scans.iter().filter_map(|scan| scan.frames.iter().position(|g| has_mask(&g)));
+    let first = first.min().unwrap_or_default();
+    let message = match most {
+        _ if is_one => {
+            format!("each camera has masks of one frame alone (frame {first}), of {images} images")
+        }
+        _ => format!(
+            "each camera has masks of at most {most} of {images} images, from frame {first} on"
+        ),
+    };
+    Some(Finding::error(Code::MasksNotFollowed, message).number("images", most as f64))
+}
+
+/// The hand is not seen. An object that is lifted or pushed by nothing cannot be fitted; one that
+/// falls or swings can.
+fn forgotten(context: &Context<'_>, assessment: &mut Assessment) {
+    // Grippers whose poses were recorded need no masks.
+    if !context.recording.grippers.is_empty() {
+        return;
+    }
+    let hands = || context.scans.iter().flat_map(|l| &l.frames).filter_map(|g| g.manipulator);
+    if hands().any(|hand| hand.depth_px > 0) {
+        return;
+    }
+    let why = if hands().next().is_none() {
+        "no camera has a mask of a hand or gripper"
+    } else if hands().all(|hand| hand.area_px == 0) {
+        "the masks of the hand or gripper are empty in every frame of every camera"
+    } else {
+        "no mask of a hand or gripper has a pixel with depth"
+    };
+    let limits = &context.thresholds.masks;
+    let carried = carried_m(context).filter(|m| *m > limits.carried_m);
+    let but = carried.map_or(String::new(), |metres| {
+        format!(", but the object is moved by {:.0} mm", 1e3 * metres)
+    });
+    let message = format!("{why}{but}");
+    let finding = Finding::graded(carried.is_some(), Code::ManipulatorNotSeen, message);
+    assessment.findings.push(finding.number("carried_mm", 1e3 * carried.unwrap_or(f64::NAN)));
+}
+
+/// How far an object is moved in ways that gravity does not explain: along the ground, or up from
+/// where it was at first [m].
+fn carried_m(context: &Context<'_>) -> Option<f64> {
+    let upright = context.upright;
+    median(context.paths.object.iter().filter_map(|path| {
+        let start = *path.iter().flatten().next()?;
+        let carried = |at: &Vector| {
+            let rise = upright.height(*at) - upright.height(start);
+            let aside = (distance(*at, start).powi(2) - rise.powi(2)).max(0.0).sqrt();
+            aside.max(rise)
+        };
+        path.iter().flatten().map(carried).max_by(f64::total_cmp)
+    }))
 }
 
 /// Judges labels that are exchanged from some frame on: object and hand jump to each other's place.
@@ -83,6 +159,21 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let frames: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
     let seen = scan.frames.iter().filter(|g| g.color.is_some()).count();
+    let (outside, frames): (Vec<usize>, Vec<usize>) =
+        frames.into_iter().partition(|frame| is_out_of_view(context, index, *frame));
+    if !outside.is_empty() {
+        let message = format!(
+            "the object is out of view of {} in {} of {seen} frames",
+            named(context.recording, index),
+            outside.len()
+        );
+        assessment.findings.push(
+            Finding::info(Code::ObjectOutOfView, message)
+                .cameras([index])
+                .frames(outside.iter().copied())
+                .number("outside_share", share(outside.len(), seen)),
+        );
+    }
     if !frames.is_empty() {
         let part = share(frames.len(), seen);
         let message = format!(
@@ -108,6 +199,26 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     if let Some(report) = assessment.cameras.get_mut(index) {
         report.empty_masks = frames;
     }
+}
+
+/// True if the other cameras see the object where this one does not look.
+fn is_out_of_view(context: &Context<'_>, index: usize, frame: usize) -> bool {
+    let Some(camera) = context.recording.cameras.get(index) else { return false };
+    let seen = |other: usize, path: &Path| {
+        let at = if other == index { None } else { *path.get(frame)? }?;
+        Some(at)
+    };
+    let places: Vec<Vector> =
+        context.paths.object.iter().enumerate().filter_map(|(i, path)| seen(i, path)).collect();
+    let margin = context.thresholds.masks.view_margin;
+    let is_outside = |at: &Vector| {
+        pixel_of(camera, to_camera(camera.pose(frame), *at)).is_none_or(|[x, y]| {
+            let (width, height) = (camera.width as f64, camera.height as f64);
+            let inside = |at: f64, size: f64| at > margin * size && at < (1.0 - margin) * size;
+            !(inside(x, width) && inside(y, height))
+        })
+    };
+    !places.is_empty() && places.iter().all(is_outside)
 }
 
 fn covering(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
@@ -162,21 +273,27 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let limits = &context.thresholds.masks;
     let Some(camera) = context.recording.cameras.get(index) else { return };
     let small = limits.min_area_share * (camera.width * camera.height) as f64;
+    // Masks at the border are those of an object that leaves the view, and empty ones have a separate
+    // finding.
+    let area = |g: &FrameStats| g.object.filter(|o| o.area_px > 0 && !o.at_border);
     let areas: Vec<Option<f64>> =
-        scan.frames.iter().map(|g| g.object.map(|p| p.area_px as f64)).collect();
+        scan.frames.iter().map(|g| Some(area(g)?.area_px as f64)).collect();
+    // How much the area grows from one frame to the next.
+    let growth = |frame: usize| {
+        let (before, now) = (areas.get(frame.checked_sub(1)?)?, areas.get(frame)?);
+        Some((*now)?.ln() - (*before)?.ln())
+    };
     let mut frames = Vec::new();
     let mut worst = 1.0_f64;
-    let pairs = areas.iter().zip(areas.iter().skip(1)).enumerate();
-    for (frame, (before, now)) in pairs {
-        let (Some(before), Some(now)) = (before, now) else { continue };
-        // Empty masks have a separate finding.
-        if before.min(*now) <= 0.0 || before.max(*now) < small {
-            continue;
-        }
-        let ratio = (now / before).max(before / now);
-        if ratio > limits.max_area_ratio {
-            frames.push(frame + 1);
-            worst = worst.max(ratio);
+    for frame in 1..areas.len() {
+        let Some(own) = growth(frame) else { continue };
+        let larger = areas[frame - 1].unwrap_or(0.0).max(areas[frame].unwrap_or(0.0));
+        // What turns fast changes its area for several frames.
+        let around = mean([frame - 1, frame + 1].into_iter().filter_map(growth)).unwrap_or(0.0);
+        let jumps = own.abs().min((own - around).abs());
+        if larger >= small && jumps > limits.max_area_ratio.ln() {
+            frames.push(frame);
+            worst = worst.max(own.abs().exp());
         }
     }
     if !frames.is_empty() {

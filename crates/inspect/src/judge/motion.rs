@@ -8,6 +8,7 @@ use super::{
 use crate::{
     Code, Finding,
     statistics::{median, share},
+    vector::{add, length, sub},
 };
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
@@ -120,11 +121,15 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
             continue;
         };
         // An object that stuck to the ground jumps, too, when it comes loose, after shorter steps.
-        let beside = [frame - 1, frame + 1].into_iter().filter_map(|f| step(path, f));
-        let is_steady = beside.fold(f64::INFINITY, f64::min) > limits.steady_ratio * usual;
+        let beside: Vec<f64> =
+            [frame - 1, frame + 1].into_iter().filter_map(|f| step(path, f)).collect();
+        let shortest = beside.iter().copied().fold(f64::INFINITY, f64::min);
+        let longest = beside.iter().copied().fold(0.0, f64::max);
+        let is_steady = shortest > limits.steady_ratio * usual && own > limits.skip_ratio * longest;
         if usual > limits.moving_ratio * limits.skip_m {
             moving += 1;
-            if is_steady && own > limits.skip_m && own > limits.skip_ratio * usual {
+            let is_long = own > limits.skip_m && own > limits.skip_ratio * usual;
+            if is_steady && is_long && goes_on(path, frame) {
                 skipped.push(frame);
             }
         }
@@ -144,6 +149,18 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
                 .number("skipped_share", part),
         );
     }
+}
+
+/// True if a long step leads where the steps before and after it lead: a missing frame leaves the way as
+/// it is, noise does not.
+fn goes_on(path: &Path, frame: usize) -> bool {
+    let way = |from: usize, to: usize| {
+        let at = |f: usize| path.get(f).copied().flatten();
+        Some(sub(at(to)?, at(from)?))
+    };
+    let around = way(frame - 2, frame - 1).zip(way(frame, frame + 1));
+    let Some(((before, after), own)) = around.zip(way(frame - 1, frame)) else { return true };
+    length(sub(own, add(before, after))) < 0.5 * length(own)
 }
 
 fn contact(max_gap_m: f64, assessment: &mut Assessment) {

@@ -1,5 +1,7 @@
 //! Judge of skew between cameras, measured from motion: the shift in time that best aligns the
-//! paths that two cameras saw. It needs no times, and finds skew that times do not show.
+//! paths that two cameras saw. It needs no times, and finds skew that times do not show. Drift is a
+//! stronger claim, that the shift changes: both halves and the whole have to agree on it, and time
+//! stamps must not contradict it.
 
 use std::ops::Range;
 
@@ -14,7 +16,6 @@ use crate::{
 };
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
-    let limits = &context.thresholds.skew;
     let recording = context.recording;
     let n = recording.cameras.len().min(COMPARED_CAMERAS);
     let frames = recording.frame_count;
@@ -22,17 +23,13 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         return;
     }
     let frame_ms = 1e3 / recording.fps;
-    let window =
-        (limits.max_skew_s * recording.fps).min(limits.max_skew_share * frames as f64) as i64;
+    let filled = Filled::of(context);
     let mut shifts = vec![vec![None; n]; n];
     let mut drifts = vec![vec![None; n]; n];
     for a in 0..n {
         for b in a + 1..n {
-            let between = |from, to| shift(context, [a, b], from..to, window);
-            let whole = between(0, frames);
-            let drift = between(0, frames / 2)
-                .zip(between(frames / 2, frames))
-                .map(|(first, second)| second - first);
+            let whole = shift(context, &filled, [a, b], 0..frames).map(|whole| whole.frames);
+            let drift = drift(context, &filled, [a, b], whole);
             let set = |table: &mut Vec<Vec<Option<f64>>>, value: Option<f64>| {
                 table[a][b] = value;
                 table[b][a] = value.map(|v| -v);
@@ -55,8 +52,63 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
             report.skew_ms = skew.map(|s| s * frame_ms);
             report.drift_ms = drift.map(|d| d * frame_ms);
         }
-        flag(context, camera, skew, drift, assessment);
+        // Of two cameras nobody knows which one is late: they share one finding.
+        if n > 2 {
+            flag(context, camera, skew, drift, assessment);
+        }
     }
+    if n == 2 {
+        let between = |table: &Vec<Vec<Option<f64>>>| *table.first()?.get(1)?;
+        flag_pair(context, between(&shifts), between(&drifts), assessment);
+    }
+}
+
+/// Growth of the skew between two cameras from the first half to the second [frames]. `None` unless
+/// the halves and the whole agree on it; 0 if the frames' times show none.
+fn drift(
+    context: &Context<'_>,
+    filled: &Filled,
+    pair: [usize; 2],
+    whole: Option<f64>,
+) -> Option<f64> {
+    let limits = &context.thresholds.skew;
+    let frames = context.recording.frame_count;
+    let first = shift(context, filled, pair, 0..frames / 2)?;
+    let second = shift(context, filled, pair, frames / 2..frames)?;
+    // Half a recording is little to go by: a shift has to explain nearly all of what is left without.
+    let is_clear = |half: &Shift| {
+        half.frames.abs() < 1.0 || half.remaining < limits.max_remaining_share_of_half
+    };
+    if !(is_clear(&first) && is_clear(&second)) {
+        return None;
+    }
+    let (first, second) = (first.frames, second.frames);
+    let drift = second - first;
+    if drift.abs() <= limits.max_drift_frames {
+        return Some(drift);
+    }
+    let [low, high] = [first.min(second), first.max(second)];
+    let slack = limits.max_skew_frames;
+    if !(low - slack..=high + slack).contains(&whole?) {
+        return None;
+    }
+    let by_times = drift_by_times(context, pair);
+    if by_times.is_some_and(|times| (times - drift).abs() > 0.5 * drift.abs()) {
+        return Some(0.0);
+    }
+    Some(drift)
+}
+
+/// The same growth by the times of the frames [frames]; `None` if a camera has none.
+fn drift_by_times(context: &Context<'_>, [a, b]: [usize; 2]) -> Option<f64> {
+    let [a, b] = [context.recording.cameras.get(a)?, context.recording.cameras.get(b)?];
+    let frames = context.recording.frame_count;
+    let lag = |between: Range<usize>| {
+        let [a, b] = [a.times_s.get(between.clone())?, b.times_s.get(between)?];
+        median(a.iter().zip(b).map(|(a, b)| a - b).filter(|lag| lag.is_finite()))
+    };
+    let grown = lag(frames / 2..frames)? - lag(0..frames / 2)?;
+    Some(grown * context.recording.fps)
 }
 
 fn flag(
@@ -70,50 +122,142 @@ fn flag(
     let name = named(context.recording, camera);
     let frame_ms = 1e3 / context.recording.fps;
     if let Some(drift) = drift.filter(|d| d.abs() > limits.max_drift_frames) {
-        let message = format!(
-            "{name} runs {} the others by {:.0} ms from the first half to the second: its frames were dropped and closed up, \
-             or its clock differs",
-            if drift > 0.0 { "behind" } else { "ahead of" },
-            drift.abs() * frame_ms
-        );
-        let finding = Finding::warning(Code::ClocksDrift, message);
-        assessment.findings.push(finding.cameras([camera]).number("drift_ms", drift * frame_ms));
+        let direction = if drift > 0.0 { "behind" } else { "ahead of" };
+        let who = format!("{name} runs {direction} the others");
+        assessment.findings.push(drifting(&who, [camera], drift * frame_ms));
         return;
     }
     let Some(skew) = skew.filter(|s| s.abs() > limits.max_skew_frames) else { return };
-    let is_known = assessment
-        .findings
-        .iter()
-        .any(|f| f.code == Code::CamerasSkewed.name() && f.cameras == [camera]);
-    if is_known {
+    if !is_known(assessment, camera) {
+        let who = format!("{name} shows motion");
+        let finding = skewed(context, &who, "than the other cameras", [camera], skew);
+        assessment.findings.push(finding);
+    }
+}
+
+/// The finding about the only two cameras; the skew is that of the first.
+fn flag_pair(
+    context: &Context<'_>,
+    skew: Option<f64>,
+    drift: Option<f64>,
+    assessment: &mut Assessment,
+) {
+    let limits = &context.thresholds.skew;
+    let [first, second] = [0, 1].map(|camera| named(context.recording, camera));
+    let frame_ms = 1e3 / context.recording.fps;
+    if let Some(drift) = drift.filter(|d| d.abs() > limits.max_drift_frames) {
+        let direction = if drift > 0.0 { "behind" } else { "ahead of" };
+        let who = format!("{first} runs {direction} {second}");
+        assessment.findings.push(drifting(&who, [0, 1], drift * frame_ms));
         return;
     }
-    let is_bad =
-        skew.abs() >= limits.bad_skew_frames && skew.abs() * frame_ms >= 1e3 * limits.bad_skew_s;
+    let Some(skew) = skew.filter(|s| s.abs() > limits.max_skew_frames) else { return };
+    if !is_known(assessment, 0) {
+        let than = format!("than {second}");
+        let finding = skewed(context, &format!("{first} shows motion"), &than, [0, 1], skew);
+        assessment.findings.push(finding);
+    }
+}
+
+/// True if the frames' times showed a camera's skew already.
+fn is_known(assessment: &Assessment, camera: usize) -> bool {
+    let is_it = |f: &Finding| f.code == Code::CamerasSkewed.name() && f.cameras.contains(&camera);
+    assessment.findings.iter().any(is_it)
+}
+
+fn drifting(who: &str, cameras: impl IntoIterator<Item = usize>, drift_ms: f64) -> Finding {
     let message = format!(
-        "{name} shows motion {:.0} ms ({:.1} frames) {} than the other cameras",
-        skew.abs() * frame_ms,
+        "{who} by {:.0} ms from the first half to the second: its frames were dropped and closed up, or its clock differs",
+        drift_ms.abs()
+    );
+    let finding = Finding::warning(Code::ClocksDrift, message).cameras(cameras);
+    finding.number("drift_ms", drift_ms)
+}
+
+fn skewed(
+    context: &Context<'_>,
+    who: &str,
+    than: &str,
+    cameras: impl IntoIterator<Item = usize>,
+    skew: f64,
+) -> Finding {
+    let limits = &context.thresholds.skew;
+    let skew_ms = skew * 1e3 / context.recording.fps;
+    let is_bad = skew.abs() >= limits.bad_skew_frames && skew_ms.abs() >= 1e3 * limits.bad_skew_s;
+    let message = format!(
+        "{who} {:.0} ms ({:.1} frames) {} {than}",
+        skew_ms.abs(),
         skew.abs(),
         if skew > 0.0 { "later" } else { "earlier" }
     );
-    assessment.findings.push(
-        Finding::graded(is_bad, Code::CamerasSkewed, message)
-            .cameras([camera])
-            .number("skew_ms", skew * frame_ms),
-    );
+    let finding = Finding::graded(is_bad, Code::CamerasSkewed, message).cameras(cameras);
+    finding.number("skew_ms", skew_ms)
 }
 
-/// Number of frames by which camera `a` shows things later than camera `b`, between two frames.
-/// `None` if nothing moves enough.
+/// Paths without what is at an image's border, where the middle of what is seen is not that of the
+/// thing, and whose short gaps are filled in by straight lines, so that a camera at half the rate of
+/// another can be aligned with it.
+struct Filled {
+    object: Vec<Path>,
+    manipulator: Vec<Path>,
+}
+
+impl Filled {
+    fn of(context: &Context<'_>) -> Self {
+        let most = context.thresholds.skew.max_gap_frames;
+        let object = context.paths.object.iter().zip(context.scans).map(|(path, scan)| {
+            let is_whole = |f: usize| {
+                scan.frames.get(f).is_some_and(|g| g.object.is_some_and(|object| !object.at_border))
+            };
+            let whole: Path =
+                path.iter().enumerate().map(|(f, at)| at.filter(|_| is_whole(f))).collect();
+            without_gaps(&whole, most)
+        });
+        // An arm always comes in from outside.
+        let manipulator = context.paths.manipulator.iter().map(|path| without_gaps(path, most));
+        Self { object: object.collect(), manipulator: manipulator.collect() }
+    }
+}
+
+/// A path with its gaps of at most so many frames filled in.
+fn without_gaps(path: &Path, most: usize) -> Path {
+    let mut filled = path.clone();
+    let known: Vec<(usize, Vector)> =
+        path.iter().enumerate().filter_map(|(f, p)| Some((f, (*p)?))).collect();
+    for pair in known.windows(2) {
+        let &[(from, start), (to, end)] = pair else { continue };
+        if to - from - 1 > most {
+            continue;
+        }
+        for frame in from + 1..to {
+            let share = (frame - from) as f64 / (to - from) as f64;
+            filled[frame] = Some(add(start, scaled(sub(end, start), share)));
+        }
+    }
+    filled
+}
+
+/// The shift in time between two cameras.
+struct Shift {
+    /// Number of frames by which the first shows things later.
+    frames: f64,
+    /// Share of the variance between their paths that remains, 0..=1.
+    remaining: f64,
+}
+
+/// Shift by which camera `a` shows things later than camera `b`, between two frames.
+/// `None` if nothing moves enough, or if the best shift is at the edge of what can be looked for: the
+/// true one may lie beyond, and at the edge few frames are compared.
 fn shift(
     context: &Context<'_>,
+    filled: &Filled,
     [a, b]: [usize; 2],
     between: Range<usize>,
-    window: i64,
-) -> Option<f64> {
+) -> Option<Shift> {
     let limits = &context.thresholds.skew;
-    let paths = &context.paths;
-    let things: Vec<(&Path, &Path)> = [&paths.manipulator, &paths.object]
+    let longest = limits.max_skew_share * between.len() as f64;
+    let window = (limits.max_skew_s * context.recording.fps).min(longest) as i64;
+    let things: Vec<(&Path, &Path)> = [&filled.manipulator, &filled.object]
         .into_iter()
         .filter_map(|all| Some((all.get(a)?, all.get(b)?)))
         .filter(|(first, second)| moves(first, &between, limits) && moves(second, &between, limits))
@@ -137,17 +281,15 @@ fn shift(
     let unshifted = cost(0)?;
     let whole = at as i64 - window;
     if whole != 0 && best > limits.max_remaining_share * unshifted {
-        return Some(0.0);
+        return Some(Shift { frames: 0.0, remaining: 1.0 });
     }
-    // The vertex of the parabola through the best and its neighbours.
     let neighbour = |i: Option<usize>| costs.get(i?).copied().flatten();
-    let part = match (neighbour(at.checked_sub(1)), neighbour(Some(at + 1))) {
-        (Some(left), Some(right)) if left + right - 2.0 * best > 1e-12 => {
-            0.5 * (left - right) / (left + right - 2.0 * best)
-        }
-        _ => 0.0,
-    };
-    Some(whole as f64 + part)
+    let (left, right) = (neighbour(at.checked_sub(1))?, neighbour(Some(at + 1))?);
+    // The vertex of the parabola through the best and its neighbours.
+    let bend = left + right - 2.0 * best;
+    let part = if bend > 1e-12 { 0.5 * (left - right) / bend } else { 0.0 };
+    let remaining = best / unshifted.max(f64::MIN_POSITIVE);
+    Some(Shift { frames: whole as f64 + part, remaining })
 }
 
 /// True if a path moves enough to be aligned.

@@ -86,6 +86,61 @@ fn dropped_repeated_and_damaged_frames_are_counted() {
 }
 
 #[test]
+fn one_fault_of_all_cameras_is_one_finding() {
+    let seen =
+        shown(|s| s.damaged = (0..3).flat_map(|c| (0..FRAMES).map(move |f| (c, f))).collect());
+    let found = one(&seen, "FRAMES_DAMAGED");
+    assert_eq!(found.cameras, [0, 1, 2]);
+    assert!(found.message.ends_with("likewise camera 1 (cam1) and camera 2 (cam2)"), "{found:?}");
+    assert!(found.consequences.contains(&"CAMERA_EMPTY".to_owned()), "{found:?}");
+}
+
+#[test]
+fn a_camera_at_a_lower_rate_is_no_fault() {
+    let seen = shown(|s| (1..FRAMES).step_by(2).for_each(|f| s.moments[1][f] = None));
+    assert_eq!((seen.verdict, seen.has("CAMERA_SLOWER")), (Verdict::Good, true), "{seen:?}");
+    let found = seen.findings.iter().find(|f| f.code == "CAMERA_SLOWER").unwrap();
+    assert!(found.message.starts_with("camera 1 (cam1) recorded at 15 fps"), "{found:?}");
+    // Stored twice, its frames are late by half: that is said, and no more.
+    let seen = shown(|s| s.moments[1] = (0..FRAMES).map(|f| Some((f / 2 * 2) as f64)).collect());
+    let found = one(&seen, "FRAMES_DUPLICATED");
+    assert_eq!((found.cameras.as_slice(), seen.verdict), (&[1][..], Verdict::Usable));
+    assert!(found.message.contains("recorded at 15 fps"), "{found:?}");
+}
+
+#[test]
+fn a_click_that_was_not_followed_and_a_hand_that_was_forgotten() {
+    let later = |first: usize| (0..3).flat_map(move |c| (first..FRAMES).map(move |f| (c, f)));
+    let seen = shown(|s| s.empty_masks = later(1).collect());
+    let found = one(&seen, "MASKS_NOT_FOLLOWED");
+    assert!(found.message.contains("in frame 0 alone"), "{found:?}");
+    assert!(found.advice.contains("docs/use/cameras.md#masks"), "{found:?}");
+
+    let seen = shown(|s| s.hidden_hand = true);
+    let found = one(&seen, "MANIPULATOR_NOT_SEEN");
+    assert_eq!(seen.verdict, Verdict::Unusable, "{found:?}");
+    assert!(found.message.contains("the object is moved by"), "{found:?}");
+    let seen = shown(|s| (s.hidden_hand, s.travel) = (true, 0.15));
+    assert_eq!(one(&seen, "MANIPULATOR_NOT_SEEN").severity, bendtwin_core::Severity::Warning);
+}
+
+#[test]
+fn a_clock_that_runs_fast_drifts_unless_times_say_otherwise() {
+    let fast = |times: bool| {
+        let (mut scene, mut recording) = healthy();
+        scene.moments[1] = (0..FRAMES).map(|f| Some(1.12 * f as f64)).collect();
+        if times {
+            let times: Vec<f64> = (0..FRAMES).map(|f| f as f64 / 30.0).collect();
+            recording.cameras.iter_mut().for_each(|c| c.times_s.clone_from(&times));
+        }
+        inspected(scene, recording)
+    };
+    let found = one(&fast(false), "CLOCKS_DRIFT");
+    assert_eq!(found.cameras, [1]);
+    assert!(!fast(true).has("CLOCKS_DRIFT"));
+}
+
+#[test]
 fn frames_that_were_dropped_and_closed_up_are_noticed() {
     // Every third moment is missing in all cameras, without a trace in the description.
     let seen = shown(|s| {
@@ -172,6 +227,14 @@ fn mistakes_with_poses_are_distinguished() {
         one(&all(change), code);
         assert_eq!(one(&alone(change), code).cameras, [2]);
     }
+    // A body's axes: its x is the camera's z, its y the camera's -x, its z the camera's -y.
+    let seen = declared(|r| {
+        for camera in &mut r.cameras {
+            let pose = &mut camera.poses[0];
+            pose.rotation = pose.rotation.map(|[x, y, z]| [z, -x, -y]);
+        }
+    });
+    assert!(one(&seen, "EXTRINSICS_AXES").message.contains("x forward, y left, z up"));
     let seen = declared(|r| {
         let (a, b) = (r.cameras[0].poses.clone(), r.cameras[2].poses.clone());
         (r.cameras[0].poses, r.cameras[2].poses) = (b, a);
@@ -189,6 +252,33 @@ fn mistakes_with_poses_are_distinguished() {
     one(&declared(|r| r.cameras[0].intrinsics.fx = 0.0), "INTRINSICS_INVALID");
 }
 
+/// A camera of half the rate has gaps, which are no loss; only where nothing tells its rate is it
+/// refused, once.
+#[test]
+fn a_camera_of_half_the_rate_is_named_and_used() {
+    let seen = shown(|scene| {
+        scene.moments[1]
+            .iter_mut()
+            .enumerate()
+            .filter(|(f, _)| f % 2 == 1)
+            .for_each(|(_, m)| *m = None);
+    });
+    assert_ne!(seen.verdict, Verdict::Unusable, "{:?}", seen.findings);
+    let codes: Vec<&str> = seen.findings.iter().map(|f| f.code.as_str()).collect();
+    assert_eq!(codes, ["CAMERA_SLOWER"], "{:?}", seen.findings);
+    assert!(seen.findings[0].message.contains("recorded at 15 fps"), "{:?}", seen.findings);
+    let seen = shown(|scene| {
+        let moments = &mut scene.moments[1];
+        let half = moments.len() / 2;
+        let closed: Vec<Option<f64>> = moments.iter().copied().step_by(2).collect();
+        moments[..half].copy_from_slice(&closed[..half]);
+        moments[half..].fill(None);
+    });
+    let found = one(&seen, "CAMERA_RATE_UNCLEAR");
+    assert!(found.message.contains("a camera of 15 fps"), "{found:?}");
+    assert!(found.advice.contains("\"fps\": [30, 15, 30]"), "{found:?}");
+}
+
 #[test]
 fn a_camera_that_is_off_is_named_with_its_correction() {
     for (camera, degrees, shift) in
@@ -204,6 +294,26 @@ fn a_camera_that_is_off_is_named_with_its_correction() {
         let shift_mm = found.numbers["shift_mm"];
         assert!((shift_mm - shift).abs() < 0.3 * shift, "{shift_mm} mm for {shift} mm");
     }
+}
+
+#[test]
+fn the_correction_of_a_camera_that_is_off_ends_the_finding() {
+    let (scene, mut recording) = healthy();
+    let pose = &mut recording.cameras[2].poses[0];
+    *pose = disturbed(pose, 2.0, [0.01, 0.0, 0.0]);
+    let mut recording = filmed(scene, recording);
+    let settings = IngestSettings::default();
+    let look = |recording: &Recording| {
+        inspect(recording, &settings, &CancelToken::default(), &mut |_| {}).unwrap()
+    };
+    let before = look(&recording);
+    assert!(before.has("CAMERA_OFF"));
+    let correction = before.correction(&recording).unwrap();
+    assert_eq!(correction.cameras[0].pose, recording.cameras[0].poses.first().copied());
+    correction.apply(&mut recording).unwrap();
+    let after = look(&recording);
+    assert!(!after.has("CAMERA_OFF") && !after.has("CAMERAS_DISAGREE"), "{:?}", after.findings);
+    assert!(after.correction(&recording).is_none());
 }
 
 #[test]

@@ -1,7 +1,12 @@
-//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate.
+//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate. A camera
+//! that gives every second frame records at half the rate, and drops none: see [`rhythm`].
+
+mod closed_up;
+mod rhythm;
 
 use bendtwin_capture::raw::Camera;
 
+use self::rhythm::Rhythm;
 use super::{Assessment, Context, named};
 use crate::{
     Code, Finding,
@@ -28,11 +33,15 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
     let missing: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
+    let rhythm = slower(context, index, scan, assessment);
+    let is_due = |frame: &usize| rhythm.as_ref().is_none_or(|rhythm| rhythm.is_due(*frame));
     // Files that exist but are damaged have a separate finding.
     let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
-    let frames: Vec<usize> = missing.iter().copied().filter(|f| !damaged(f)).collect();
+    let frames: Vec<usize> = missing.iter().copied().filter(|f| is_due(f) && !damaged(f)).collect();
     let all = scan.frames.len();
-    if !frames.is_empty() && frames.len() < all {
+    if let Some(finding) = closed_up::judge(context, index) {
+        assessment.findings.push(finding);
+    } else if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
         let ends = frames.len() >= limits.min_cut_frames
             && frames.iter().rev().zip((0..all).rev()).all(|(f, end)| *f == end);
@@ -64,25 +73,57 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     }
 }
 
-/// Repeats: true where a camera shows the same in a frame as in the one before, shape [camera][T].
-fn repeats(scans: &[CameraScan]) -> Vec<Vec<bool>> {
+/// The rhythm of a camera that records at a lower rate than the recording has, with its finding.
+fn slower(
+    context: &Context<'_>,
+    index: usize,
+    scan: &CameraScan,
+    assessment: &mut Assessment,
+) -> Option<Rhythm> {
+    // Colour without depth is no frame that was never taken.
+    let is_there = |g: &FrameStats| g.color.is_some() || g.depth.is_some();
+    let there: Vec<bool> = scan.frames.iter().map(is_there).collect();
+    let fps = context.recording.fps;
+    let declared = || {
+        let own = context.recording.cameras.get(index)?.fps?;
+        Rhythm::declared(&there, fps, own)
+    };
+    let rhythm = Rhythm::of(&there, fps, &context.thresholds.timing).or_else(declared)?;
+    let name = named(context.recording, index);
+    let message = format!(
+        "{name} recorded at {} fps, the recording has {fps}: it is left out where it has no frame",
+        rhythm.fps
+    );
+    assessment.findings.push(
+        Finding::info(Code::CameraSlower, message)
+            .cameras([index])
+            .number("camera_fps", rhythm.fps)
+            .number("declared_fps", fps),
+    );
+    Some(rhythm)
+}
+
+/// Repeats: true where a camera shows the same in a frame as in the one before, `None` where it lacks
+/// one of both, shape [camera][T].
+fn repeats(scans: &[CameraScan]) -> Vec<Vec<Option<bool>>> {
     let same = |(before, now): (&FrameStats, &FrameStats)| {
-        let color = now.color.is_some() && before.color == now.color;
+        let color = before.color? == now.color?;
         let depth = now.depth.is_none() || before.depth == now.depth;
-        color && depth
+        Some(color && depth)
     };
     let one = |scan: &CameraScan| {
         let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1));
-        std::iter::once(false).chain(pairs.map(same)).take(scan.frames.len()).collect()
+        std::iter::once(Some(false)).chain(pairs.map(same)).take(scan.frames.len()).collect()
     };
     scans.iter().map(one).collect()
 }
 
 /// True for a pause: a still scene without noise looks like repeated frames in all cameras, but
-/// counts as a pause if it lasts or if it is the beginning or the end.
-fn is_pause(same: &[Vec<bool>], frame: usize, min_pause_frames: usize) -> bool {
+/// counts as a pause if it lasts or if it is the beginning or the end. A camera without images there
+/// says nothing.
+fn is_pause(same: &[Vec<Option<bool>>], frame: usize, min_pause_frames: usize) -> bool {
     let frames = same.iter().map(Vec::len).max().unwrap_or(0);
-    let all = |f: usize| same.iter().all(|camera| camera.get(f) == Some(&true));
+    let all = |f: usize| same.iter().all(|camera| camera.get(f).is_some_and(|s| *s != Some(false)));
     if !all(frame) {
         return false;
     }
@@ -91,26 +132,41 @@ fn is_pause(same: &[Vec<bool>], frame: usize, min_pause_frames: usize) -> bool {
     first <= 1 || last + 1 == frames || last - first + 1 >= min_pause_frames
 }
 
-fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment: &mut Assessment) {
+fn repeated(
+    context: &Context<'_>,
+    index: usize,
+    same: &[Vec<Option<bool>>],
+    assessment: &mut Assessment,
+) {
     let limits = &context.thresholds.timing;
     let Some(own) = same.get(index) else { return };
     let frames: Vec<usize> = own
         .iter()
         .enumerate()
-        .filter(|(f, repeats)| **repeats && !is_pause(same, *f, limits.min_pause_frames))
+        .filter(|(f, repeats)| {
+            **repeats == Some(true) && !is_pause(same, *f, limits.min_pause_frames)
+        })
         .map(|(f, _)| f)
         .collect();
     if frames.len() > limits.max_repeats {
         let part = share(frames.len(), own.len());
-        let message = format!(
-            "{} of {} frames of {} ({:.0} %) repeat the frame before",
-            frames.len(),
-            own.len(),
-            named(context.recording, index),
-            100.0 * part
-        );
+        let name = named(context.recording, index);
+        let (count, all) = (frames.len(), own.len());
+        let fresh: Vec<bool> = own.iter().map(|repeats| *repeats != Some(true)).collect();
+        let rhythm = Rhythm::of(&fresh, context.recording.fps, limits);
+        let message = match &rhythm {
+            Some(Rhythm { fps, .. }) => format!(
+                "{name} recorded at {fps} fps: {count} of its {all} frames repeat the frame before"
+            ),
+            None => format!(
+                "{count} of {all} frames of {name} ({:.0} %) repeat the frame before",
+                100.0 * part
+            ),
+        };
+        // Of a slower camera every frame is there, and most of the repeats are nearly right.
+        let is_error = part > limits.max_lost_share && rhythm.is_none();
         assessment.findings.push(
-            Finding::graded(part > limits.max_lost_share, Code::FramesDuplicated, message)
+            Finding::graded(is_error, Code::FramesDuplicated, message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("repeated_share", part)

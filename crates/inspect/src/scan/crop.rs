@@ -26,6 +26,8 @@ pub(crate) enum Label {
 #[derive(Clone, Debug)]
 pub(crate) struct Crop {
     pub(crate) frame: usize,
+    /// True if the object reaches the image's border, so that part of it is not in view.
+    pub(crate) at_border: bool,
     /// Pixels from cell to cell.
     pub(crate) stride: usize,
     /// Column and row of the first cell.
@@ -85,8 +87,12 @@ impl Crop {
         let (columns, rows) = (high[0] - low[0] + 1, high[1] - low[1] + 1);
         let stride = ((columns * rows) as f64 / MAX_CELLS as f64).sqrt().ceil().max(1.0) as usize;
         let (width, height) = (columns.div_ceil(stride), rows.div_ceil(stride));
+        let sides = |row: usize| [(0, row), (object.width.saturating_sub(1), row)];
+        let ends = |column: usize| [(column, 0), (column, object.height.saturating_sub(1))];
+        let mut border = (0..object.height).flat_map(sides).chain((0..object.width).flat_map(ends));
         let mut crop = Self {
             frame,
+            at_border: border.any(|(column, row)| object.get(column, row) == Some(true)),
             stride,
             origin: low,
             width,

@@ -18,6 +18,8 @@ pub(crate) struct MaskStats {
     pub(crate) area_px: usize,
     /// Pixels of it with depth.
     pub(crate) depth_px: usize,
+    /// True if it reaches the image's border, so that part of the thing is not in view.
+    pub(crate) at_border: bool,
     /// Mean of its pixels.
     pub(crate) middle_px: [f64; 2],
     pub(crate) surface: Option<Surface>,
@@ -55,6 +57,8 @@ pub(crate) fn measure(
     for row in 0..mask.height {
         for (column, _) in mask.row(row).iter().enumerate().filter(|(_, m)| **m) {
             stats.area_px += 1;
+            let is_side = column == 0 || column + 1 == mask.width;
+            stats.at_border |= is_side || row == 0 || row + 1 == mask.height;
             sum = [sum[0] + column as f64, sum[1] + row as f64];
             let metres = depth.and_then(|d| d.get(column, row)).unwrap_or(0.0);
             if metres > 0.0 && metres.is_finite() {

@@ -95,6 +95,9 @@ impl Frames for SceneReader<'_> {
     }
 
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
+        if region == Region::Manipulator && self.scene.hidden_hand {
+            return Ok(None);
+        }
         let exchanged = self.scene.exchanged_masks.contains(&self.camera);
         let wanted = match (region, exchanged) {
             (Region::Object, false) | (Region::Manipulator, true) => Body::Object,

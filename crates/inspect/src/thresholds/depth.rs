@@ -3,6 +3,9 @@
 /// Depth over the object.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DepthThresholds {
+    /// Ratio of the object's extent in another view to that in a camera's own, from which the camera sees
+    /// it end-on. Chosen by hand.
+    pub(crate) end_on_ratio: f64,
     /// Share of the object with depth below which there is a warning, 0..=1. Chosen by hand;
     /// cameras of healthy recordings have at least 0.78.
     pub(crate) good_coverage: f64,
@@ -20,6 +23,7 @@ pub(crate) struct DepthThresholds {
 impl Default for DepthThresholds {
     fn default() -> Self {
         Self {
+            end_on_ratio: 1.5,
             good_coverage: 0.6,
             min_coverage: 0.1,
             max_apart_share: 0.12,

@@ -16,6 +16,16 @@ pub(crate) struct MaskThresholds {
     /// Share of frames without object from which the only camera that sees it is of little use,
     /// 0..=1. Chosen by hand.
     pub(crate) max_empty_share: f64,
+    /// Share of the images with masks up to which only clicks were given, and nothing was followed.
+    pub(crate) min_masked_share: f64,
+    /// Frames from which a recording is one that masks have to be followed through. Chosen by hand.
+    pub(crate) min_followed_frames: usize,
+    /// Share of an image at its border where an object's middle counts as out of view, 0..=0.5. Chosen by
+    /// hand: about half of a small object.
+    pub(crate) view_margin: f64,
+    /// Way that an object goes along the ground or up, from which something carries it [m]. Chosen by
+    /// hand, well above what a soft object does when it settles.
+    pub(crate) carried_m: f64,
     /// Way of the middles of object and hand from one frame to the next, together, from which they may
     /// have changed places [widths of the image]. Chosen by hand, above any motion.
     pub(crate) min_exchange_widths: f64,
@@ -32,6 +42,10 @@ impl Default for MaskThresholds {
             max_covered_share: 0.6,
             max_overlap_share: 0.1,
             max_empty_share: 0.3,
+            min_masked_share: 0.1,
+            min_followed_frames: 4,
+            view_margin: 0.05,
+            carried_m: 0.05,
             min_exchange_widths: 0.06,
             max_exchange_ratio: 0.3,
         }

@@ -5,17 +5,22 @@
 pub(crate) struct SkewThresholds {
     /// Longest skew that is looked for [s]. Chosen by hand.
     pub(crate) max_skew_s: f64,
-    /// Longest skew that is looked for [lengths of the recording]. Chosen by hand: the shifted
-    /// paths must overlap.
+    /// Longest skew that is looked for [lengths of the range of frames that is aligned]. Chosen by
+    /// hand: the shifted paths must overlap.
     pub(crate) max_skew_share: f64,
     /// Least standard deviation of a path that can be aligned [m]. Chosen by hand, well above the
     /// noise of the middle of a mask.
     pub(crate) min_motion_m: f64,
     /// Least frames that two shifted paths have in common. Chosen by hand.
     pub(crate) min_shared_frames: usize,
+    /// Longest gap of a path that is filled in by a straight line [frames]. Chosen by hand: a camera at
+    /// a quarter of the rate has gaps of three.
+    pub(crate) max_gap_frames: usize,
     /// Share of the variance between two paths that may remain after the shift, 0..=1; if more
     /// remains, there is no skew. Chosen by hand.
     pub(crate) max_remaining_share: f64,
+    /// The same of half of a recording, where a shift has to be clearer to be part of a drift.
+    pub(crate) max_remaining_share_of_half: f64,
     /// Skew from which there is a warning [frames]. In healthy recordings at most 0.12 frames are
     /// measured.
     pub(crate) max_skew_frames: f64,
@@ -37,7 +42,9 @@ impl Default for SkewThresholds {
             max_skew_share: 0.25,
             min_motion_m: 0.012,
             min_shared_frames: 10,
+            max_gap_frames: 3,
             max_remaining_share: 0.6,
+            max_remaining_share_of_half: 0.3,
             max_skew_frames: 0.8,
             bad_skew_s: 0.1,
             bad_skew_frames: 3.0,

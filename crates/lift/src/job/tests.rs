@@ -82,6 +82,21 @@ fn the_hand_becomes_control_points_that_move_as_it_does() {
 }
 
 #[test]
+fn a_camera_of_half_the_rate_helps_with_the_frames_that_it_has() {
+    let frames = TestScene::default().frames;
+    let missing: Vec<(usize, usize)> = (0..frames).filter(|f| f % 2 == 1).map(|f| (1, f)).collect();
+    let whole = score(&run(TestScene::default()).unwrap().capture.sequences[0]).unwrap();
+    let observation = run(TestScene { missing: missing.clone(), ..TestScene::default() }).unwrap();
+    assert_eq!(observation.evidence.cameras[1].missing_frames, missing.len());
+    let sequence = &observation.capture.sequences[0];
+    let half = score(sequence).unwrap();
+    // What only this camera sees is known in every second frame.
+    assert!(half.points > whole.points * 3 / 4, "{half:?} {whole:?}");
+    bendtwin_capture::validate(&observation.capture).unwrap();
+    assert_eq!(sequence.frame_count, frames);
+}
+
+#[test]
 fn distortion_moving_cameras_and_missing_frames_are_taken_into_account() {
     let wide = Distortion::BrownConrady([-0.2, 0.05, 1e-3, -1e-3, 0.0, 0.0, 0.0, 0.0]);
     let fisheye = Distortion::KannalaBrandt([0.05, -0.01, 0.0, 0.0]);

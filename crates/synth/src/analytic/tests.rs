@@ -14,6 +14,7 @@ fn camera() -> Camera {
         distortion: Distortion::None,
         poses: vec![Pose { rotation: UPRIGHT, translation: [0.0; 3] }],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

@@ -5,12 +5,13 @@ use bendtwin_core::Point;
 
 use super::{
     Stage,
-    props::{Props, Thing},
+    props::{MIDDLE_M, Props, TABLE_Z_M, Thing},
     tracker,
 };
 use crate::{
-    pose::{dot, sub, unit},
+    pose::{add, dot, scale, sub, unit},
     raster::{Hit, Raster},
+    sheet::Sheet,
     texture::{chance, normal},
 };
 use bendtwin_capture::{
@@ -34,6 +35,9 @@ const COLOR_NOISE: f32 = 2.0;
 /// Length [m] over which colours vary at least, and the same in pixels.
 const PATCH_M: f64 = 0.012;
 const PATCH_PIXELS: f64 = 5.0;
+
+/// Rays to each side through a pixel of a sheet.
+const RAYS: usize = 4;
 
 /// Keys that keep the kinds of noise apart.
 const COLOR: i64 = 1;
@@ -91,8 +95,7 @@ impl<'a> Reader<'a> {
 impl Stage {
     /// Draws a frame as a camera sees it.
     pub(super) fn view(&self, camera: usize, frame: usize) -> Option<View> {
-        let (body, pose) = (self.bodies.get(frame)?, self.poses.get(frame)?);
-        let vertices = self.props.posed(body, pose, self.grasp);
+        let vertices = self.props.posed(self.bodies.get(frame)?, &self.actors, frame)?;
         let raster = Raster::draw(self.cameras.get(camera)?, &vertices, &self.props.triangles);
         Some(View { vertices, raster })
     }
@@ -105,13 +108,16 @@ impl Stage {
 
 impl Frames for Reader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
-        let (seed, focal) = (self.seed(frame), self.lens().intrinsics.fx);
-        let patch_m = PATCH_M.max(PATCH_PIXELS * 0.9 / focal) as f32;
+        let (seed, camera) = (self.seed(frame), self.lens());
+        let patch_m = PATCH_M.max(PATCH_PIXELS * 0.9 / camera.intrinsics.fx) as f32;
         Ok(self.image(frame, |stage, view, column, row| {
             let Some(hit) = view.raster.get(column as i64, row as i64) else { return [200; 3] };
             let corners = stage.corners(hit.triangle, &stage.props.rest);
-            let color =
-                Props::color(stage.props.thing(hit.triangle), blend(&hit, corners), patch_m);
+            let (thing, rest) = (stage.props.thing(hit.triangle), blend(&hit, corners));
+            let mut color = Props::color(thing, rest, patch_m, &stage.options.dyes);
+            if let Some(sheet) = stage.options.sheet.as_ref().filter(|_| thing == Thing::Table) {
+                color = printed(sheet, camera, frame, [column, row], color);
+            }
             let light = unit([0.3, -0.2, 0.9]);
             let facing = dot(normal_of(stage.corners(hit.triangle, &view.vertices)), light);
             let shade = 0.8 + 0.2 * facing.max(0.0);
@@ -141,7 +147,7 @@ impl Frames for Reader<'_> {
             {
                 return 0.0;
             }
-            let sigma = DEPTH_NOISE * hit.depth_m * hit.depth_m;
+            let sigma = stage.options.noise * DEPTH_NOISE * hit.depth_m * hit.depth_m;
             let measured = hit.depth_m + sigma * normal(seed, [column, row, 0, DEPTH]);
             // Cameras give whole millimetres.
             (measured * 1000.0).round() / 1000.0
@@ -175,6 +181,32 @@ impl Frames for Reader<'_> {
         }
         Ok(Some(tracker::track(self.stage, self.camera)))
     }
+}
+
+/// The colour of a pixel of the table, on part of which a sheet may lie.
+fn printed(
+    sheet: &Sheet,
+    camera: &Camera,
+    frame: usize,
+    [column, row]: [usize; 2],
+    table: Point,
+) -> Point {
+    let eye = camera.pose(frame).translation;
+    let mut sum = [0.0; 3];
+    for ray in 0..RAYS * RAYS {
+        let [x, y] = [ray % RAYS, ray / RAYS].map(|k| (k as f64 + 0.5) / RAYS as f64 - 0.5);
+        let to = camera.unproject([column as f64 + x, row as f64 + y], 1.0, frame);
+        let down = f64::from(TABLE_Z_M) - eye[2];
+        let share = down / (f64::from(to[2]) - eye[2]);
+        let at: [f64; 2] = std::array::from_fn(|k| eye[k] + share * (f64::from(to[k]) - eye[k]));
+        let color = match sheet.at([at[0] - f64::from(MIDDLE_M), at[1]]) {
+            Some(true) => [0.08; 3],
+            Some(false) => [0.92; 3],
+            None => table,
+        };
+        sum = add(sum, color);
+    }
+    scale(sum, 1.0 / (RAYS * RAYS) as f32)
 }
 
 /// The point of a triangle that was hit.

@@ -10,9 +10,10 @@ use super::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 21] = [
+const PHYSICS: [&str; 22] = [
     "bendtwin-backends",
     "bendtwin-bench",
+    "bendtwin-calibrate",
     "bendtwin-capture",
     "bendtwin-cuda",
     "bendtwin-engine",
@@ -34,7 +35,8 @@ const PHYSICS: [&str; 21] = [
     "bendtwin-synth",
 ];
 /// Crates that read, judge and lift captures, or write twins, without physics.
-const CAMERA_SIDE: [&str; 9] = [
+const CAMERA_SIDE: [&str; 10] = [
+    "bendtwin-calibrate",
     "bendtwin-capture",
     "bendtwin-exchange",
     "bendtwin-flow",

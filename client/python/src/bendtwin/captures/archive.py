@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import warnings
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +12,9 @@ from pathlib import Path
 _CHUNK_BYTES = 256 * 1024
 #: Contents that are compressed already: deflating them again costs time and saves nothing.
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".mp4", ".mkv", ".avi")
-_COMPRESSED = frozenset((*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".mcap", ".glb", ".pth"))
+_COMPRESSED = frozenset(
+    (*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".zstd", ".mcap", ".glb", ".pth")
+)
 
 
 @contextmanager
@@ -72,7 +75,12 @@ def _zipped(name: str, files: list[tuple[str, Path]]) -> Iterator[Path]:
 def _parts_of(path: Path) -> list[tuple[str, Path]] | None:
     """The files that a capture consists of, by their names in an archive; None if it is a file."""
     if path.is_dir():
-        files = sorted(p for p in path.rglob("*") if _is_packed(p, path))
+        everything = list(path.rglob("*"))
+        links = sorted(p.relative_to(path).as_posix() for p in everything if p.is_symlink())
+        if links:
+            message = f"{len(links)} links in {path} are not followed, and left out ({links[0]})"
+            warnings.warn(message, stacklevel=5)
+        files = sorted(p for p in everything if _is_packed(p, path))
         return [(file.relative_to(path).as_posix(), file) for file in files]
     if path.suffix.lower() != ".npz":
         return None

@@ -15,7 +15,7 @@ import time
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from urllib.parse import urljoin, urlsplit
+from urllib.parse import urlsplit
 
 from bendtwin.connection.transport import Transport, tls_fault, transport
 from bendtwin.errors import BendTwinError, Category, category_named
@@ -26,6 +26,10 @@ PART_BYTES = 16 * 1024 * 1024
 #: Time without progress after which an upload is given up; the same call resumes it later.
 PATIENCE_S = 120.0
 
+#: Times that an upload may be gone after it was created.
+MOST_GONE = 3
+
+_UPLOADS = "/v1/uploads"
 _CHUNK_BYTES = 256 * 1024
 _SILENCE_S = 300.0
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 10.0
@@ -88,12 +92,14 @@ class Sender:
         """
         url: str | None = None
         offset: int | None = None
+        # Bytes that the server had at most, and the number of times that an upload was gone.
+        most, gone = 0, 0
         ends, pause = time.monotonic() + self._patience_s, _FIRST_PAUSE_S
         while True:
             try:
                 if url is None:
-                    told = self._ask("POST", f"{self._server}/v1/uploads", self._creation())
-                    url = urljoin(self._server, told["location"])
+                    told = self._ask("POST", f"{self._server}{_UPLOADS}", self._creation())
+                    url = _address(self._server, told.get("location", ""))
                 elif offset is None:
                     told = self._ask("HEAD", url, {})
                 else:
@@ -105,8 +111,10 @@ class Sender:
                     return told["bendtwin-capture"]
                 moved = reached != offset and reached < self._length
                 offset = reached if reached < self._length else None
-                if moved:
+                if reached > most:
+                    most = reached
                     ends, pause = time.monotonic() + self._patience_s, _FIRST_PAUSE_S
+                if moved:
                     continue
                 failure = BendTwinError(
                     Category.UNAVAILABLE,
@@ -115,7 +123,9 @@ class Sender:
                 )
             except BendTwinError as error:
                 if url is not None and error.category is Category.NOT_FOUND:
-                    url = None  # It expired, or was terminated: begin anew.
+                    url, most, gone = None, 0, gone + 1  # It expired, or was terminated.
+                    if gone > MOST_GONE:
+                        raise _lost(self._server) from error
                 elif not _is_worth_another_try(error):
                     raise
                 offset, failure = None, error
@@ -170,6 +180,28 @@ class Sender:
         if self._context is None:
             return http.client.HTTPConnection(host, timeout=_SILENCE_S)
         return http.client.HTTPSConnection(host, timeout=_SILENCE_S, context=self._context)
+
+
+def _address(server: str, location: str) -> str:
+    """Address of an upload.
+
+    A server behind a proxy does not know the path or the host by which it is reached, so only the
+    upload's own name is taken from the `Location` that it gives.
+    """
+    _, found, name = urlsplit(location).path.rpartition(f"{_UPLOADS}/")
+    if not found or not name or "/" in name:
+        message = f"the server answered with `{location}`, which is no address of an upload"
+        raise BendTwinError(Category.INTERNAL, "MALFORMED_REPLY", message)
+    return f"{server}{_UPLOADS}/{name}"
+
+
+def _lost(server: str) -> BendTwinError:
+    return BendTwinError(
+        Category.NOT_FOUND,
+        "UPLOAD_LOST",
+        f"the server at {server} creates the upload and then does not find it: let the proxy in "
+        f"front of it pass on {server}{_UPLOADS} and all below, with HEAD and PATCH",
+    )
 
 
 def _is_worth_another_try(error: BendTwinError) -> bool:

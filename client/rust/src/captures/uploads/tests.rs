@@ -116,6 +116,31 @@ async fn starts_over_where_the_upload_is_gone() {
     assert_eq!(name.await.unwrap().to_string(), NAME);
 }
 
+/// A proxy may pass `/bendtwin/v1` on as `/v1`, so that the server names another path or host than
+/// its clients see.
+#[test]
+fn an_upload_lies_below_the_address_of_the_server() {
+    for location in [
+        "/v1/uploads/a",
+        "/bendtwin/v1/uploads/a",
+        "http://10.0.0.1:8080/v1/uploads/a",
+        "https://lab/bendtwin/v1/uploads/a?x=1",
+    ] {
+        let found = address("https://lab/bendtwin", location).unwrap();
+        assert_eq!(found, "https://lab/bendtwin/v1/uploads/a", "{location}");
+    }
+    for location in ["", "/v1/uploads/", "/v1/uploads/a/b", "/v1/captures/a"] {
+        assert_eq!(address("http://lab", location).unwrap_err().reason(), "MALFORMED_REPLY");
+    }
+}
+
+#[tokio::test]
+async fn an_upload_that_is_never_found_is_not_begun_without_end() {
+    let lost = || [created(), ("PATCH", Some(0), answer("404 Not Found", ""))];
+    let exchanges = (0..=MOST_GONE).flat_map(|_| lost()).collect();
+    assert_eq!(push(exchanges).await.unwrap_err().reason(), "UPLOAD_LOST");
+}
+
 #[tokio::test]
 async fn does_not_send_stored_content() {
     let known =

@@ -4,19 +4,26 @@ use std::sync::Arc;
 
 use bendtwin_core::Finding;
 
-use super::section::{AlignmentEntry, CameraEntry, MeshEntry, Section};
+use super::section::{
+    AlignmentEntry, CameraEntry, DepthEntry, DistortionEntry, MeshEntry, Section,
+};
 use crate::{
-    Error, Sources,
+    Error, Limits, Sources,
     bundle::{MARKER, Manifest},
     files::{Files, at_most, is_plain},
     frame::{self, Frame},
     npy,
     raw::{
-        Alignment, Camera, MeshFile, Pose, Recording,
-        decode::DepthUnit,
+        Alignment, Camera, Distortion, MeshFile, Pose, Recording, Source,
+        clock::retimed::{Clock, Retimed},
+        decode::{DepthUnit, unit_fault},
         gripper,
         numbering::{self, Images},
-        stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
+        realign::{DepthCamera, Lens},
+        stored::{
+            CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, MaskFiles, Names, Place, StoredFrames,
+            TrackFiles, probe,
+        },
         validity,
     },
 };
@@ -33,20 +40,31 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
             "it has no `raw` section: this bundle holds points and no images".into(),
         ));
     };
-    let Section { frame_count, train_frame_count, cameras: entries, mesh, truth_tracks } = section;
+    let Section { frame_count, train_frame_count, cameras: entries, .. } = &section;
+    let (frame_count, train_frame_count) = (*frame_count, *train_frame_count);
     validity::count(entries.len(), frame_count, &files.limits)?;
+    let clocks = clocks(entries, manifest.fps)?;
+    // Images of a camera that began early are numbered beyond the recording's frames.
+    let early = clocks.iter().flatten().map(|clock| clock.offset.min(0).unsigned_abs());
+    let image_count = frame_count.saturating_add(early.max().unwrap_or(0) as usize);
+    validity::count(entries.len(), image_count, &files.limits)?;
     let mut cameras = Vec::with_capacity(entries.len());
     let mut stored = Vec::with_capacity(entries.len());
     for (index, entry) in entries.iter().enumerate() {
-        cameras.push(camera(&mut files, entry, index, frame_count, &frame)?);
-        stored.push(camera_files(entry)?);
+        let camera = camera(&mut files, entry, index, frame_count, manifest.fps, &frame)?;
+        stored.push(camera_files(entry, &camera, &frame, &files.limits)?);
+        cameras.push(camera);
     }
-    let mut notes = find_images(&mut files, &cameras, &entries, frame_count, &mut stored)?;
+    let is_counted = clocks.is_none();
+    let mut notes =
+        find_images(&mut files, &cameras, entries, (image_count, is_counted), &mut stored)?;
     notes.extend(crate::format::taken(&files.list("")));
+    let mut sources = Sources::default();
     let mut truth = Vec::new();
-    if let Some(at) = truth_tracks {
-        let bytes = files.read(plain(&at)?)?;
-        let array = npy::read(&at, &bytes)?;
+    if let Some(at) = &section.truth_tracks {
+        sources.take("clean tracks", None, at, "");
+        let bytes = files.read(plain(at)?)?;
+        let array = npy::read(at, &bytes)?;
         match array.shape.as_slice() {
             &[frames, count, 3] if frames == frame_count => {
                 at_most("ground-truth tracks", count, files.limits.points)?;
@@ -56,9 +74,32 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         truth = array.points(&mut files.budget)?;
         frame.apply(&mut truth);
     }
-    let mesh = mesh.map(|entry| read_mesh(&mut files, &entry, &frame)).transpose()?;
-    let mut sources = Sources::default();
+    let mesh = section.mesh.as_ref().map(|entry| {
+        let form = if entry.to_world.is_some() { "in the world" } else { "not aligned" };
+        sources.take("mesh", None, &entry.file, form);
+        read_mesh(&mut files, entry, &frame)
+    });
+    let mesh = mesh.transpose()?;
     let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
+    let chosen = probe::chosen_turn(section.image_orientation.as_deref(), MARKER)?;
+    let mut stored = StoredFrames::new(files.fork(), image_count, stored)?;
+    let forms = probe::look(&mut stored, &cameras, chosen, &mut notes)?;
+    let from = |entry: &CameraEntry| {
+        let tracks = entry.tracks.as_ref().map(|tracks| tracks.points.clone()).unwrap_or_default();
+        [entry.color.clone(), entry.depth.files.clone(), tracks]
+    };
+    let from: Vec<[String; 3]> = entries.iter().map(from).collect();
+    probe::tell(&mut sources, &cameras, &forms, &from);
+    sources.take("lens", None, MARKER, "");
+    sources.take("pose", None, MARKER, "camera to world");
+    let stored: Arc<dyn Source> = Arc::new(stored);
+    let source = match clocks {
+        None => stored,
+        Some(clocks) => {
+            let by_frame = clocks.iter().map(|clock| clock.by_frame(image_count, frame_count));
+            Arc::new(Retimed::new(stored, by_frame.collect(), &files.limits)?)
+        }
+    };
     Ok(Recording {
         name,
         fps: manifest.fps,
@@ -73,8 +114,26 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         notes,
         grippers,
         sources,
-        source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
+        source,
     })
+}
+
+/// The cameras' clocks, if their images are not numbered by the frames of the recording.
+fn clocks(entries: &[CameraEntry], fps: f64) -> Result<Option<Vec<Clock>>, Error> {
+    let rates: Vec<f64> = entries.iter().map(|entry| entry.fps.unwrap_or(fps)).collect();
+    if let Some(rate) = rates.iter().find(|rate| **rate > fps) {
+        return Err(wrong(format!(
+            "a camera has {rate} frames per second and the recording `fps` {fps}: give the highest rate as the recording's"
+        )));
+    }
+    let offsets: Vec<i64> = entries.iter().map(|entry| entry.frame_offset.unwrap_or(0)).collect();
+    // The recording's rate counts as one of them.
+    let all =
+        Clock::of(&[rates.as_slice(), &[fps]].concat(), &[offsets.as_slice(), &[0]].concat())?;
+    Ok(all.map(|(_, mut clocks)| {
+        clocks.pop();
+        clocks
+    }))
 }
 
 fn camera(
@@ -82,6 +141,7 @@ fn camera(
     entry: &CameraEntry,
     index: usize,
     frame_count: usize,
+    fps: f64,
     frame: &Frame,
 ) -> Result<Camera, Error> {
     let name = if entry.name.is_empty() { index.to_string() } else { entry.name.clone() };
@@ -127,17 +187,23 @@ fn camera(
         distortion,
         poses: poses.iter().map(|pose| pose.turned(frame)).collect(),
         times_s,
+        fps: entry.fps.filter(|own| *own != fps),
     })
 }
 
-fn camera_files(entry: &CameraEntry) -> Result<CameraFiles, Error> {
+fn camera_files(
+    entry: &CameraEntry,
+    camera: &Camera,
+    frame: &Frame,
+    limits: &Limits,
+) -> Result<CameraFiles, Error> {
     at_most("masks of a camera", entry.masks.object.len(), MAX_PARTS)?;
     at_most("masks of a camera", entry.masks.manipulator.len(), MAX_PARTS)?;
     let unit_m = entry.depth.unit_m;
-    if !(unit_m.is_finite() && unit_m > 0.0) {
-        return Err(wrong(format!("depth's `unit_m` is {unit_m}: 0.001 for millimetres")));
-    }
-    let all = |patterns: &[String]| patterns.iter().map(|p| names(p)).collect::<Result<_, _>>();
+    let unit = DepthUnit::declared(unit_m).ok_or_else(|| wrong(unit_fault("unit_m", unit_m)))?;
+    let all = |patterns: &[String]| {
+        patterns.iter().map(|p| names(p).map(MaskFiles::of)).collect::<Result<_, _>>()
+    };
     let tracks = match &entry.tracks {
         None => None,
         Some(tracks) => Some(TrackFiles::Npy {
@@ -148,23 +214,55 @@ fn camera_files(entry: &CameraEntry) -> Result<CameraFiles, Error> {
     Ok(CameraFiles {
         size: entry.size,
         color: names(&entry.color)?,
+        turn: Default::default(),
         depth: Some(DepthNames {
             names: names(&entry.depth.files)?,
-            unit: DepthUnit::Declared(unit_m),
+            unit,
+            camera: depth_camera(&entry.depth, camera, frame, limits)?.map(Arc::new),
         }),
         object: all(&entry.masks.object)?,
         manipulator: all(&entry.masks.manipulator)?,
         tracks,
+        span: None,
     })
 }
 
+/// The camera that measured depth, if it is not the one of colour.
+fn depth_camera(
+    entry: &DepthEntry,
+    camera: &Camera,
+    frame: &Frame,
+    limits: &Limits,
+) -> Result<Option<DepthCamera>, Error> {
+    let Some(intrinsics) = &entry.intrinsics else {
+        if entry.pose.is_some() || entry.distortion.is_some() {
+            return Err(wrong(
+                "depth has `pose` or `distortion` and no `intrinsics`: give these, if it is not aligned to colour \
+                 (docs/use/cameras.md#depth)"
+                    .into(),
+            ));
+        }
+        return Ok(None);
+    };
+    let distortion =
+        entry.distortion.as_ref().map_or(Some(Distortion::None), DistortionEntry::read);
+    let distortion = distortion.ok_or_else(|| {
+        wrong(format!("camera `{}`: brown_conrady has 4, 5 or 8 coefficients", camera.name))
+    })?;
+    let size = entry.size.unwrap_or([camera.width, camera.height]);
+    let mut pose = entry.pose.as_ref().map_or(Pose::IDENTITY, Pose::from);
+    pose.translation = pose.translation.map(|x| x * frame.metres_per_unit());
+    let lens = Lens { size, intrinsics: intrinsics.into(), distortion };
+    validity::depth_camera(camera, lens, &pose, limits).map(Some)
+}
+
 /// Finds the images of all patterns, so that their numbers may begin anywhere and have any number
-/// of zeros before them; the number of frame 0.
+/// of zeros before them. With the number of images, and whether that is the number of frames.
 fn find_images(
     files: &mut Files<'static>,
     cameras: &[Camera],
     entries: &[CameraEntry],
-    frame_count: usize,
+    (count, is_counted): (usize, bool),
     stored: &mut [CameraFiles],
 ) -> Result<Vec<Finding>, Error> {
     let mut found = Vec::with_capacity(stored.len());
@@ -183,17 +281,20 @@ fn find_images(
     }
     let all: Vec<&Images> = found.iter().flatten().flatten().collect();
     let declared = format!("`frame_count` of {MARKER}");
-    numbering::expect_end(&all, &declared, frame_count)?;
-    let numbering = numbering::align(&all, Some((&declared, frame_count)), &files.limits)?;
+    if is_counted {
+        numbering::expect_end(&all, &declared, count)?;
+    }
+    let numbering = numbering::align(&all, Some((&declared, count)), &files.limits)?;
     let mut notes = Vec::new();
     for (index, (of, [color, depth])) in stored.iter_mut().zip(found).enumerate() {
         for part in of.object.iter_mut().chain(&mut of.manipulator) {
-            if let Some(images) = find(files, part)? {
+            let Place::Each(names) = &mut part.place else { continue };
+            if let Some(images) = find(files, names)? {
                 notes.extend(images.note_missing(files, index));
                 if let (true, Some(color)) = (numbering.first > 0, &color) {
                     images.expect_within(numbering, color)?;
                 }
-                *part = images.names(numbering);
+                *names = images.names(numbering);
             }
         }
         if let Some(images) = color {

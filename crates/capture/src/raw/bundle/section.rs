@@ -14,6 +14,9 @@ pub(crate) struct Section {
     pub(super) mesh: Option<MeshEntry>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) truth_tracks: Option<String>,
+    /// What counts of colour images with an EXIF orientation: `stored` or `shown`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) image_orientation: Option<String>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -32,6 +35,12 @@ pub(super) struct CameraEntry {
     pub(super) poses: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) times: Option<String>,
+    /// Frames per second of its images, if it has fewer than the recording.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) fps: Option<f64>,
+    /// Frame of the recording in which its image 0 was taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) frame_offset: Option<i64>,
     pub(super) color: String,
     pub(super) depth: DepthEntry,
     #[serde(default)]
@@ -42,7 +51,7 @@ pub(super) struct CameraEntry {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct IntrinsicsEntry {
+pub(in crate::raw) struct IntrinsicsEntry {
     fx: f64,
     fy: f64,
     cx: f64,
@@ -51,7 +60,7 @@ pub(super) struct IntrinsicsEntry {
 
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum DistortionEntry {
+pub(in crate::raw) enum DistortionEntry {
     #[default]
     None,
     BrownConrady {
@@ -64,7 +73,7 @@ pub(super) enum DistortionEntry {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PoseEntry {
+pub(in crate::raw) struct PoseEntry {
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
 }
@@ -75,6 +84,17 @@ pub(super) struct DepthEntry {
     pub(super) files: String,
     /// Metres per stored number.
     pub(super) unit_m: f64,
+    /// Columns, rows; those of colour if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) size: Option<[usize; 2]>,
+    /// The depth camera's, if depth is not aligned to colour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) intrinsics: Option<IntrinsicsEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) distortion: Option<DistortionEntry>,
+    /// From the depth camera to the colour camera, in the bundle's units.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) pose: Option<PoseEntry>,
 }
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -124,7 +144,7 @@ impl From<Intrinsics> for IntrinsicsEntry {
 
 impl DistortionEntry {
     /// `None` where there are more coefficients than the model has.
-    pub(super) fn read(&self) -> Option<Distortion> {
+    pub(in crate::raw) fn read(&self) -> Option<Distortion> {
         match self {
             Self::None => Some(Distortion::None),
             Self::BrownConrady { coefficients } => Distortion::brown_conrady(coefficients),

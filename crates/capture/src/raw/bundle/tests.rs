@@ -9,7 +9,7 @@ use crate::{
     open,
     raw::{
         self, Alignment, Distortion, Pose, Recording, Region,
-        testing::{FRAMES, archive, case, describe, folder, pixels, reason},
+        testing::{FRAMES, archive, case, color_at, describe, folder, pixels, reason},
     },
 };
 
@@ -155,6 +155,65 @@ fn images_may_be_numbered_from_anywhere() {
     for part in ["no depth images", "cameras/0/depth/{frame:06}.png", "one file (a.tif)"] {
         assert!(text.contains(part), "{text} lacks {part}");
     }
+}
+
+#[test]
+fn cameras_may_have_rates_and_offsets_of_their_own() {
+    let shown = |change: &dyn Fn(&mut Value)| {
+        let folder = folder(&with(|document| change(&mut document["raw"]["cameras"][1])));
+        let recording = raw::open(folder.path(), &Limits::default()).unwrap();
+        let mut frames = recording.source.frames(1).unwrap();
+        let images = (0..FRAMES).map(|frame| {
+            let color = frames.color(frame).unwrap()?;
+            (0..FRAMES).find(|image| color.get(0, 0) == Some(color_at(1, *image, 0, 0)))
+        });
+        (images.collect::<Vec<_>>(), recording.cameras[1].fps)
+    };
+    let early = shown(&|camera| camera["frame_offset"] = json!(-1));
+    assert_eq!(early, (vec![Some(1), Some(2), Some(3), None], None));
+    let late = shown(&|camera| camera["frame_offset"] = json!(1));
+    assert_eq!(late, (vec![None, Some(0), Some(1), Some(2)], None));
+    let half = shown(&|camera| camera["fps"] = json!(15));
+    assert_eq!(half, (vec![Some(0), None, Some(1), None], Some(15.0)));
+    let wrong = |key: &str, value: Value| {
+        reason(describe(&with(|document| document["raw"]["cameras"][1][key] = value)))
+    };
+    assert_eq!(wrong("fps", json!(60)), "INVALID_DOCUMENT");
+    assert_eq!(wrong("fps", json!(0)), "LENGTH_MISMATCH");
+    assert_eq!(wrong("frame_offset", json!(i64::MIN)), "LENGTH_MISMATCH");
+}
+
+#[test]
+fn depth_of_another_camera_is_aligned() {
+    let lens = json!({"fx": 10.0, "fy": 11.0, "cx": 3.5, "cy": 2.5});
+    let same = json!({"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0, 0, 0]});
+    let read = |change: &dyn Fn(&mut Value)| {
+        let files = with(|document| {
+            let camera = &mut document["raw"]["cameras"][0];
+            camera["distortion"] = json!({"model": "none"});
+            change(&mut camera["depth"]);
+        });
+        let folder = folder(&files);
+        let recording = raw::open(folder.path(), &Limits::default())?;
+        recording.source.frames(0)?.depth(1)
+    };
+    let aligned = read(&|_| {}).unwrap().unwrap();
+    let own = read(&|depth| {
+        depth["intrinsics"] = lens.clone();
+        depth["pose"] = same.clone();
+    });
+    assert_eq!(own.unwrap().unwrap(), aligned, "the same camera sees the same");
+    let aside = read(&|depth| {
+        depth["intrinsics"] = lens.clone();
+        depth["pose"] =
+            json!({"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [0.06, 0, 0]});
+    });
+    // At 0.6 m with a focal length of 10 pixels, 6 cm are one column.
+    let aside = aside.unwrap().unwrap();
+    assert_eq!(aside.get(0, 3), Some(0.0), "the depth camera does not see there");
+    assert!(aside.get(4, 3).is_some_and(|z| z > 0.5) && aside != aligned);
+    assert_eq!(reason(read(&|depth| depth["pose"] = same.clone())), "INVALID_DOCUMENT");
+    assert_eq!(reason(read(&|depth| depth["unit_m"] = json!(1000))), "INVALID_DOCUMENT");
 }
 
 #[test]

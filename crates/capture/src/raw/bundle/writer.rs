@@ -84,6 +84,7 @@ pub fn write_bundle_to<W: Write + Seek>(
             cameras,
             mesh,
             truth_tracks,
+            image_orientation: None,
         }),
         ..Manifest::in_world(
             &recording.name,
@@ -165,8 +166,18 @@ fn write_camera<W: Write + Seek>(
         pose: if poses.is_none() { camera.poses.first().map(Into::into) } else { None },
         poses,
         times,
+        // Images are numbered by the recording's frames, and depth is aligned.
+        fps: None,
+        frame_offset: None,
         color: pattern("color"),
-        depth: DepthEntry { files: pattern("depth"), unit_m: options.depth_unit_m },
+        depth: DepthEntry {
+            files: pattern("depth"),
+            unit_m: options.depth_unit_m,
+            size: None,
+            intrinsics: None,
+            distortion: None,
+            pose: None,
+        },
         masks,
         tracks: write_tracks(frames.as_mut(), recording.frame_count, &folder, zip)?,
     })

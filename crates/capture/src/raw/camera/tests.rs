@@ -59,6 +59,7 @@ fn camera(distortion: Distortion) -> Camera {
         distortion,
         poses: vec![Pose { rotation: ROTATION, translation: [0.1, -0.2, 0.4] }],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

@@ -24,6 +24,74 @@ pub(in crate::raw) enum DepthUnit {
     Usual,
 }
 
+/// Numbers that depth has.
+pub(super) const NEEDED: &str = "depth of 16 bits or floats: 8 bits are a picture of depth, to be looked at; record the \
+     camera's own numbers (docs/use/cameras.md#depth)";
+
+impl DepthUnit {
+    /// A declared unit: metres for each 1 of the stored numbers. `None` if it cannot be one.
+    pub(in crate::raw) fn declared(unit_m: f64) -> Option<Self> {
+        (unit_m.is_finite() && unit_m > 0.0 && unit_m <= 1.0).then_some(Self::Declared(unit_m))
+    }
+
+    /// Metres for each 1 of integers.
+    fn of_integers(self) -> f64 {
+        if let Self::Declared(unit_m) = self { unit_m } else { MILLIMETRES }
+    }
+}
+
+/// The fault of a unit that is refused by [`DepthUnit::declared`].
+pub(in crate::raw) fn unit_fault(key: &str, unit_m: f64) -> String {
+    if unit_m.is_finite() && unit_m > 1.0 {
+        // What people write who count the numbers in a metre.
+        let reciprocal = 1.0 / unit_m;
+        return format!(
+            "`{key}` is {unit_m}: it is the metres that each 1 of depth means; if there are {unit_m} to a metre, give \
+             {reciprocal}"
+        );
+    }
+    format!("`{key}` is {unit_m}: 0.001 for millimetres")
+}
+
+/// The form of a depth file in words.
+///
+/// # Errors
+/// If its numbers are no distances.
+pub(in crate::raw) fn form(
+    at: &str,
+    bytes: &[u8],
+    unit: DepthUnit,
+    budget: &mut Budget,
+) -> Result<String, Error> {
+    let (what, unit_m) = if bytes.starts_with(png::MAGIC) {
+        png::expect_depth(at, bytes)?;
+        ("16-bit PNG", unit.of_integers())
+    } else {
+        let array: Array<'_> = npy::read(at, bytes)?;
+        expect_distances(&array, unit)?;
+        let unit_m = match unit {
+            DepthUnit::Usual if array.is_float() && are_metres(&array.scaled(1.0, budget)?) => 1.0,
+            _ => unit.of_integers(),
+        };
+        (array.dtype_name(), unit_m)
+    };
+    let said = if unit == DepthUnit::Usual { " by default" } else { "" };
+    let said = if unit_m == 1.0 && unit == DepthUnit::Usual { " by their size" } else { said };
+    Ok(format!("{what}, 1 is {unit_m} m{said}"))
+}
+
+/// Refuses what is made to be looked at, and no measurement.
+fn expect_distances(array: &Array<'_>, unit: DepthUnit) -> Result<(), Error> {
+    if array.is_u8() && unit == DepthUnit::Usual {
+        return Err(Error::Dtype {
+            at: array.at.clone(),
+            found: "numbers of 8 bits".to_owned(),
+            needed: NEEDED,
+        });
+    }
+    Ok(())
+}
+
 /// Depth [m] from a file.
 pub(in crate::raw) fn decode(
     at: &str,
@@ -33,7 +101,7 @@ pub(in crate::raw) fn decode(
     budget: &mut Budget,
 ) -> Result<DepthImage, Error> {
     if bytes.starts_with(png::MAGIC) {
-        let unit_m = if let DepthUnit::Declared(unit_m) = unit { unit_m } else { MILLIMETRES };
+        let unit_m = unit.of_integers();
         return from_png(at, bytes, size, |n| f64::from(n) * unit_m);
     }
     let array: Array<'_> = npy::read(at, bytes)?;
@@ -41,6 +109,7 @@ pub(in crate::raw) fn decode(
         return Err(array.wrong_shape("[height, width]"));
     };
     alike(at, [width, height], size)?;
+    expect_distances(&array, unit)?;
     let mut metres = match unit {
         DepthUnit::Declared(unit_m) => array.scaled(unit_m, budget)?,
         DepthUnit::Usual => {
@@ -77,7 +146,7 @@ pub(in crate::raw) fn from_png(
         return Err(Error::Dtype {
             at: at.to_owned(),
             found: format!("{} channels of {bits} bits", samples.channels),
-            needed: "one channel of 16 bits: depth is no picture of colours",
+            needed: NEEDED,
         });
     }
     let numbers = samples.data.as_chunks().0.iter().map(|b| u16::from_be_bytes(*b));

@@ -2,17 +2,11 @@
 
 use std::io::Read;
 
-use ruzstd::decoding::StreamingDecoder;
-
-use super::record::Fields;
+use super::{record::Fields, zstd};
 
 /// Bytes that a chunk may have in memory. Writers make chunks of about a megabyte, or of one
 /// message where that is larger.
 pub(super) const MAX_CHUNK: u64 = 128 << 20;
-
-/// Window of Zstandard allowed for chunks of any size: the window that every decoder has to support
-/// (RFC 8878).
-const MOST_WINDOW: u64 = 8 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Compression {
@@ -21,7 +15,7 @@ pub(super) enum Compression {
     Lz4,
 }
 
-/// A chunk in the file.
+/// A chunk in a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chunk {
     pub(super) compression: Compression,
@@ -79,16 +73,8 @@ impl Chunk {
                     .map_err(|e| failed(&e))?;
             }
             Compression::Zstd => {
-                let mut rest = packed;
-                // A chunk may be several frames, one after another.
-                while !rest.is_empty() && (bytes.len() as u64) < limit {
-                    // A decoder fills its window before it gives the first byte.
-                    let window = self.unpacked.max(MOST_WINDOW);
-                    let decoder = StreamingDecoder::new_with_max_window_size(&mut rest, window)
-                        .map_err(|e| failed(&e))?;
-                    let left = limit - bytes.len() as u64;
-                    decoder.take(left).read_to_end(&mut bytes).map_err(|e| failed(&e))?;
-                }
+                let window = self.unpacked.max(zstd::MOST_WINDOW);
+                bytes = zstd::unpack(packed, limit, window).map_err(|e| failed(&e))?;
             }
         }
         if bytes.len() as u64 != self.unpacked {

@@ -24,6 +24,8 @@ pub(super) struct Stream {
     pub(super) wire: Wire,
     /// Shape [T].
     pub(super) places: Vec<Option<Place>>,
+    /// Metres of each 1 of depth, if that was declared.
+    pub(super) unit_m: Option<f64>,
 }
 
 /// All images of one camera.
@@ -81,12 +83,12 @@ impl Reader<'_> {
         &mut self,
         stream: &Stream,
         frame: usize,
-        decode: fn(&str, &ImageData<'_>, Size) -> Result<T, Error>,
+        decode: impl FnOnce(&str, &ImageData<'_>, Size) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let Some(Some(place)) = stream.places.get(frame) else { return Ok(None) };
         let size = self.camera.size;
         let cap = OVERHEAD + (size[0] as u64).saturating_mul(size[1] as u64).saturating_mul(16);
-        let bytes = self.store.message(place, self.chunks, cap)?;
+        let bytes = self.store.content(place, self.chunks, cap, stream.wire)?;
         let at = format!("{}, frame {frame}", stream.topic);
         let image = messages::image(stream.kind, stream.wire, &bytes).ok_or_else(|| {
             Error::Damaged { at: at.clone(), fault: "the message is not as its schema says".into() }
@@ -101,7 +103,9 @@ impl Frames for Reader<'_> {
     }
 
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
-        self.image(&self.camera.depth, frame, images::depth)
+        let unit_m = self.camera.depth.unit_m;
+        let decode = |at: &str, image: &ImageData<'_>, size| images::depth(at, image, size, unit_m);
+        self.image(&self.camera.depth, frame, decode)
     }
 
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {

@@ -42,6 +42,26 @@ pub(super) fn kind_of(schema: &str, encoding: &str) -> Option<(Kind, Wire)> {
     Some((kind, wire))
 }
 
+/// What the messages of a channel are that might be images but are not read; `None` for others.
+pub(super) fn unread(schema: &str, encoding: &str) -> Option<String> {
+    let name: String = schema.chars().take(80).collect();
+    let lower = schema.to_lowercase();
+    let has = |word: &str| lower.contains(word);
+    if has("pointcloud") {
+        return Some("it is a point cloud: points are made from depth images".to_owned());
+    }
+    let is_video = has("video") || has("packet") || has("h264") || has("theora");
+    if is_video {
+        return Some(format!(
+            "it is video (`{name}`): republish it as images (`ros2 run image_transport republish`) and record these"
+        ));
+    }
+    has("image").then(|| {
+        let encoding: String = encoding.chars().take(20).collect();
+        format!("messages `{name}` in `{encoding}` are not read")
+    })
+}
+
 /// Header of an image, before its pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ImageHead {
@@ -50,6 +70,8 @@ pub(super) struct ImageHead {
     /// Encoding of pixels (`rgb8`, `16UC1`), or of a compressed image (`jpeg`, `16UC1;
     /// compressedDepth`).
     pub(super) encoding: String,
+    /// Columns and rows of an image that is not compressed.
+    pub(super) size: Option<[usize; 2]>,
 }
 
 /// An image with its pixels as sent.
@@ -110,24 +132,31 @@ pub(super) fn image_head(kind: Kind, wire: Wire, bytes: &[u8]) -> Option<ImageHe
     if wire == Wire::Protobuf {
         let mut head = ImageHead::default();
         let (frame_id, encoding) = if kind == Kind::Image { (7, 4) } else { (4, 3) };
+        let mut size = [0; 2];
         for (field, value) in Message(bytes) {
             match field {
                 1 => head.stamp_ns = value.stamp_ns()?,
                 f if f == frame_id => head.frame_id = value.text()?,
                 f if f == encoding => head.encoding = value.text()?,
+                2 | 3 if kind == Kind::Image => {
+                    size[usize::from(field == 3)] = usize::try_from(value.number()?).ok()?;
+                }
                 _ => {}
             }
         }
+        head.size = (kind == Kind::Image).then_some(size);
         return Some(head);
     }
     let mut ros = ros(wire, bytes)?;
     let header = ros.header()?;
-    if kind == Kind::Image {
-        ros.u32()?;
-        ros.u32()?;
-    }
+    let size = if kind == Kind::Image {
+        let (height, width) = (ros.u32()? as usize, ros.u32()? as usize);
+        Some([width, height])
+    } else {
+        None
+    };
     let encoding = ros.text()?;
-    Some(ImageHead { stamp_ns: header.stamp_ns, frame_id: header.frame_id, encoding })
+    Some(ImageHead { stamp_ns: header.stamp_ns, frame_id: header.frame_id, encoding, size })
 }
 
 /// A whole image.

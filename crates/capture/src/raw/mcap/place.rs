@@ -1,11 +1,15 @@
 //! Places of messages, and fetching them again.
 
-use super::chunk::Chunk;
-use crate::{Error, files::SharedFile};
+use std::{borrow::Cow, sync::Arc};
+
+use super::{chunk::Chunk, messages::Wire, zstd};
+use crate::{Error, files::Section};
 
 /// Place of a message's content.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
+    /// The file, by its number.
+    pub(super) part: u32,
     /// Number of its chunk, if that is compressed.
     pub(super) chunk: Option<u32>,
     /// Start in the file or in the chunk.
@@ -14,40 +18,30 @@ pub(super) struct Place {
     pub(super) length: u64,
 }
 
-/// The file, and the compressed chunk that was last looked into. Clones read side by side.
+/// A file of the recording.
 #[derive(Clone, Debug)]
-pub(super) struct Store {
-    at: String,
-    file: SharedFile,
-    open: Option<(u32, Vec<u8>)>,
+pub(super) struct Part {
+    pub(super) name: String,
+    pub(super) bytes: Section,
 }
 
-impl Store {
-    pub(super) fn new(at: String, file: SharedFile) -> Self {
-        Self { at, file, open: None }
-    }
-
-    /// The file's name, for messages.
-    pub(super) fn name(&self) -> &str {
-        &self.at
-    }
-
+impl Part {
     /// Bytes of the file.
     pub(super) fn len(&self) -> u64 {
-        self.file.len()
+        self.bytes.len()
     }
 
     pub(super) fn damaged(&self, fault: impl Into<String>) -> Error {
-        Error::Damaged { at: self.at.clone(), fault: fault.into() }
+        Error::Damaged { at: self.name.clone(), fault: fault.into() }
     }
 
     /// Bytes of the file; `length` must have been compared with a limit.
     pub(super) fn read(&self, at: u64, length: u64) -> Result<Vec<u8>, Error> {
-        if at.checked_add(length).is_none_or(|end| end > self.file.len()) {
+        if at.checked_add(length).is_none_or(|end| end > self.len()) {
             return Err(self.damaged("it ends within a record"));
         }
         let mut bytes = vec![0; usize::try_from(length).unwrap_or(0)];
-        match self.file.read_exact_at(&mut bytes, at) {
+        match self.bytes.read_exact_at(&mut bytes, at) {
             Ok(()) => Ok(bytes),
             Err(e) => Err(self.damaged(e.to_string())),
         }
@@ -58,31 +52,97 @@ impl Store {
         let packed = self.read(chunk.start, chunk.length)?;
         chunk.unpack(&packed).map_err(|fault| self.damaged(fault))
     }
+}
 
-    /// A message of at most `cap` bytes.
-    pub(super) fn message(
+/// The files, and the compressed chunk that was last looked into. Clones read side by side.
+#[derive(Clone, Debug)]
+pub(super) struct Store {
+    parts: Arc<Vec<Part>>,
+    open: Option<(u32, Vec<u8>)>,
+}
+
+impl Store {
+    pub(super) fn new(parts: Vec<Part>) -> Self {
+        Self { parts: Arc::new(parts), open: None }
+    }
+
+    /// Name of the first file, for messages.
+    pub(super) fn name(&self) -> &str {
+        self.parts.first().map_or("", |part| &part.name)
+    }
+
+    /// Bytes of all files.
+    pub(super) fn len(&self) -> u64 {
+        self.parts.iter().map(Part::len).fold(0, u64::saturating_add)
+    }
+
+    /// Content of a message, of at most `cap` bytes, unpacked if it was compressed by itself.
+    pub(super) fn content(
         &mut self,
         place: &Place,
         chunks: &[Chunk],
         cap: u64,
+        wire: Wire,
     ) -> Result<Vec<u8>, Error> {
-        let Place { chunk, start, length } = *place;
+        let bytes = self.message(place, chunks, cap)?;
+        let part = self.part(place.part)?;
+        match unpacked(wire, &bytes, cap) {
+            Ok(Cow::Borrowed(_)) => Ok(bytes),
+            Ok(Cow::Owned(unpacked)) => Ok(unpacked),
+            Err(fault) => Err(part.damaged(fault)),
+        }
+    }
+
+    fn part(&self, number: u32) -> Result<&Part, Error> {
+        let missing =
+            || Error::Damaged { at: self.name().to_owned(), fault: "a file is missing".to_owned() };
+        self.parts.get(number as usize).ok_or_else(missing)
+    }
+
+    fn message(&mut self, place: &Place, chunks: &[Chunk], cap: u64) -> Result<Vec<u8>, Error> {
+        let Place { part, chunk, start, length } = *place;
+        let part = self.part(part)?;
         if length > cap {
-            let what = format!("a message in `{}`", self.at);
+            let what = format!("a message in `{}`", part.name);
             return Err(Error::TooLarge { what, bytes: length, limit: cap });
         }
-        let Some(number) = chunk else { return self.read(start, length) };
+        let Some(number) = chunk else { return part.read(start, length) };
         if self.open.as_ref().is_none_or(|(open, _)| *open != number) {
             // The old one goes before the new one comes.
             self.open = None;
+            let part = self.part(place.part)?;
             let chunk = chunks.get(number as usize);
-            let chunk = chunk.ok_or_else(|| self.damaged("a message lies in no chunk"))?;
-            self.open = Some((number, self.unpack(chunk)?));
+            let chunk = chunk.ok_or_else(|| part.damaged("a message lies in no chunk"))?;
+            let records = part.unpack(chunk)?;
+            self.open = Some((number, records));
         }
         let bytes = self.open.as_ref().and_then(|(_, bytes)| {
             let from = usize::try_from(start).ok()?;
             bytes.get(from..from.checked_add(usize::try_from(length).ok()?)?)
         });
-        bytes.map(<[u8]>::to_vec).ok_or_else(|| self.damaged("a message lies outside its chunk"))
+        match bytes {
+            Some(bytes) => Ok(bytes.to_vec()),
+            None => Err(self.part(place.part)?.damaged("a message lies outside its chunk")),
+        }
     }
+}
+
+/// A message of ROS 2 as `ros2 bag record --compression-mode message` writes it, unpacked to at most
+/// `cap` bytes; any other message as it is. CDR begins with other bytes than Zstandard.
+pub(super) fn unpacked(wire: Wire, bytes: &[u8], cap: u64) -> Result<Cow<'_, [u8]>, String> {
+    if !is_packed(wire, bytes) {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    let most = cap.saturating_add(1);
+    let content = zstd::unpack(bytes, most, zstd::MOST_WINDOW)
+        .map_err(|fault| format!("a compressed message does not unpack: {fault}"))?;
+    if content.len() as u64 > cap {
+        return Err(format!("a compressed message unpacks to more than {cap} bytes"));
+    }
+    Ok(Cow::Owned(content))
+}
+
+/// `true` for a message that was compressed by itself.
+pub(super) fn is_packed(wire: Wire, bytes: &[u8]) -> bool {
+    wire == Wire::Ros2 && bytes.starts_with(zstd::MAGIC)
 }

@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 
-use super::place::Store;
+use super::place::Part;
 use crate::Error;
 
 /// Opcode and length.
@@ -52,7 +52,7 @@ impl<'a> Region<'a> {
     }
 
     /// The record at a position; `None` at the region's end.
-    pub(super) fn record(&self, store: &Store, at: u64) -> Result<Option<Record<'a>>, Error> {
+    pub(super) fn record(&self, part: &Part, at: u64) -> Result<Option<Record<'a>>, Error> {
         let end = match self {
             Self::File { end, .. } => *end,
             Self::Memory(bytes) => bytes.len() as u64,
@@ -61,8 +61,8 @@ impl<'a> Region<'a> {
         if left == 0 {
             return Ok(None);
         }
-        let cut = || store.damaged("it ends within a record");
-        let bytes = self.read(store, at, (HEAD + PREFIX).min(left))?;
+        let cut = || part.damaged("it ends within a record");
+        let bytes = self.read(part, at, (HEAD + PREFIX).min(left))?;
         let mut fields = Fields(&bytes);
         let (opcode, length) = fields.take(1).zip(fields.u64()).ok_or_else(cut)?;
         let opcode = opcode[0];
@@ -70,7 +70,7 @@ impl<'a> Region<'a> {
             return Err(cut());
         }
         if opcode == 0 {
-            return Err(store.damaged("it has a record of no kind"));
+            return Err(part.damaged("it has a record of no kind"));
         }
         let head = HEAD as usize;
         let prefix = head..head + length.min(PREFIX) as usize;
@@ -82,9 +82,9 @@ impl<'a> Region<'a> {
     }
 
     /// Some bytes, which must lie inside.
-    pub(super) fn read(&self, store: &Store, at: u64, length: u64) -> Result<Cow<'a, [u8]>, Error> {
+    pub(super) fn read(&self, part: &Part, at: u64, length: u64) -> Result<Cow<'a, [u8]>, Error> {
         match self {
-            Self::File { .. } => store.read(at, length).map(Cow::Owned),
+            Self::File { .. } => part.read(at, length).map(Cow::Owned),
             Self::Memory(bytes) => {
                 let range = usize::try_from(at)
                     .ok()
@@ -92,7 +92,7 @@ impl<'a> Region<'a> {
                     .and_then(|(from, to)| bytes.get(from..to));
                 range
                     .map(Cow::Borrowed)
-                    .ok_or_else(|| store.damaged("a message lies outside its chunk"))
+                    .ok_or_else(|| part.damaged("a message lies outside its chunk"))
             }
         }
     }

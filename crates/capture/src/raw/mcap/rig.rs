@@ -1,82 +1,94 @@
-//! The topics of each camera: a colour topic, and depth, masks and a calibration of the same
-//! `frame_id`.
+//! The cameras of a recording: topics that belong together, with a lens, poses and common frames.
 
-use std::{collections::BTreeMap, sync::Arc};
+mod clocks;
+mod lens;
+mod settings;
+mod topics;
 
-use bendtwin_core::{Environment, Plane};
+use std::sync::Arc;
 
+use bendtwin_core::{Environment, Finding, Plane};
+
+use self::{settings::Settings, topics::CameraTopics};
 use super::{
+    chunk::MAX_CHUNK,
     frames::{McapFrames, Stream, Streams},
-    images::{Shows, shows},
+    images,
     index::{Index, Stamped, Topic},
-    messages::Calibration,
+    messages::{self, Calibration},
+    names,
     place::Store,
-    transforms::plain,
+    transforms::{Choice, plain},
 };
 use crate::{
     Error, Limits, Sources,
     frame::Frame,
-    raw::{Camera, Distortion, Intrinsics, MeshFile, Recording, clock, validity},
+    raw::{Camera, MeshFile, Recording, clock, decode::Size, validity},
 };
 
-/// Role of a topic by its last words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Role {
-    Color,
-    Depth,
-    Object,
-    Manipulator,
-    Other,
-}
-
-fn role(topic: &Topic) -> Role {
-    let name = topic.name.trim_end_matches("/compressed").trim_end_matches("/image_raw");
-    if name.ends_with("/mask/object") {
-        return Role::Object;
-    }
-    if name.ends_with("/mask/manipulator") {
-        return Role::Manipulator;
-    }
-    match shows(&topic.head.encoding, &topic.name) {
-        Shows::Color => Role::Color,
-        Shows::Depth => Role::Depth,
-        Shows::Other => Role::Other,
-    }
-}
-
-/// Makes a recording of what a file holds.
+/// Makes a recording of what files hold; `sources` has what was left out before.
 pub(super) fn recording(
     name: &str,
-    store: Store,
-    index: Index,
+    mut store: Store,
+    mut index: Index,
+    mut sources: Sources,
     limits: &Limits,
 ) -> Result<Recording, Error> {
-    let wrong = |fault: String| Error::Document { at: store.name().to_owned(), fault };
-    let colors = color_topics(&index, &store)?;
-    validity::count(colors.len(), 1, limits)?;
-    let world = world(&index, &colors, &wrong)?;
-    let up = index.settings.get("up_axis").map_or("+z", String::as_str);
+    let at = store.name().to_owned();
+    let wrong = |fault: String| Error::Document { at: at.clone(), fault };
+    let settings = Settings::parse(&index.settings).map_err(wrong)?;
+    if let Some(topic) = settings.topics().find(|t| !index.topics.iter().any(|o| o.name == *t)) {
+        return Err(wrong(format!(
+            "its metadata record `bendtwin` gives a unit for `{topic}`, which is no topic of images"
+        )));
+    }
+    let mut notes = Vec::new();
+    {
+        let chosen = topics::choose(&index, &mut Sources::default())?;
+        validity::count(chosen.len(), 1, limits)?;
+        let frame_ids: Vec<String> = chosen.iter().map(|c| c.frame_id().to_owned()).collect();
+        let names: Vec<String> =
+            chosen.iter().flat_map(CameraTopics::topics).map(|t| t.name.clone()).collect();
+        drop(chosen);
+        notes.extend(settle_parents(&mut index, &frame_ids, &settings, &mut sources)?);
+        let taken = index.topics.iter_mut().filter(|t| names.contains(&t.name));
+        notes.extend(clocks::join(&mut taken.collect::<Vec<_>>()));
+    }
+    let chosen = topics::choose(&index, &mut sources)?;
+    let world = world(&index, &chosen, &settings, &wrong)?;
+    let up = settings.up_axis.as_deref().unwrap_or("+z");
     let frame = Frame::from_up(up).ok_or_else(|| {
         Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
     })?;
     // Seconds since the first image: small numbers keep their digits.
-    let start = colors.iter().filter_map(|t| t.images.first()).map(|i| i.ns).min().unwrap_or(0);
+    let first = |c: &CameraTopics<'_>| c.color.images.first().map(|i| i.ns);
+    let start = chosen.iter().filter_map(first).min().unwrap_or(0);
     let seconds = |ns: i64| ns.saturating_sub(start) as f64 * 1e-9;
     let clocks: Vec<Vec<f64>> =
-        colors.iter().map(|t| t.images.iter().map(|i| seconds(i.ns)).collect()).collect();
+        chosen.iter().map(|c| c.color.images.iter().map(|i| seconds(i.ns)).collect()).collect();
     let aligned = clock::align(&clocks, limits.recording_frames)?;
     let reach_ns = (0.5e9 / aligned.fps) as i64;
 
-    let mut cameras = Vec::with_capacity(colors.len());
-    let mut streams = Vec::with_capacity(colors.len());
-    for (topic, images) in colors.iter().zip(&aligned.images) {
-        let frame_id = plain(&topic.head.frame_id);
-        let name = camera_name(&topic.name, frame_id);
-        let taken: Vec<Option<&Stamped>> =
-            images.iter().map(|image| image.and_then(|i| topic.images.get(i))).collect();
-        let (calibration, rectified) = calibration(&index, topic, &name)?;
-        let size = [calibration.width, calibration.height];
-        validity::check_size(&name, size, limits)?;
+    let mut cameras = Vec::with_capacity(chosen.len());
+    let mut streams = Vec::with_capacity(chosen.len());
+    for (topics, images) in chosen.iter().zip(&aligned.images) {
+        let (name, frame_id) = (&topics.name, topics.frame_id());
+        let images: Vec<Option<&Stamped>> =
+            images.iter().map(|image| image.and_then(|i| topics.color.images.get(i))).collect();
+        let size = image_size(&mut store, &index, topics.color)?;
+        let (info, calibration) = calibration(&index, topics.color, size, name)?;
+        let rectified = names::is_rectified(&topics.color.name);
+        let lens_size = [calibration.width, calibration.height];
+        if size.is_some_and(|size| size != lens_size) {
+            let images = size.unwrap_or_default();
+            return Err(Error::LensSize {
+                camera: name.clone(),
+                images,
+                info: info.to_owned(),
+                lens: lens_size,
+            });
+        }
+        validity::check_size(name, lens_size, limits)?;
         let pose = |ns: i64| index.tree.pose(frame_id, &world, ns).turned(&frame);
         let poses = if index.tree.moves(frame_id, &world) {
             let mut last = start;
@@ -84,123 +96,128 @@ pub(super) fn recording(
                 last = image.map_or(last, |i| i.ns);
                 pose(last)
             };
-            taken.iter().map(at).collect()
+            images.iter().map(at).collect()
         } else {
             vec![pose(start)]
         };
-        let (intrinsics, distortion) = lens(calibration, rectified, &name)?;
-        let near = |wanted: Role| best(&index, topic, wanted).map(|t| stream(t, &taken, reach_ns));
-        let depth = near(Role::Depth).ok_or_else(|| unaligned(&index, &name, frame_id))?;
+        let (intrinsics, distortion) = lens::lens(calibration, rectified, name)?;
+        let unit_m = settings.unit_m(&topics.depth.name);
+        let nearest = |topic: &Topic| stream(topic, &images, reach_ns);
         streams.push(Streams {
-            size,
+            size: lens_size,
             color: Stream {
-                places: taken.iter().map(|image| image.map(|i| i.place)).collect(),
-                ..stream(topic, &[], 0)
+                places: images.iter().map(|image| image.map(|i| i.place)).collect(),
+                ..stream(topics.color, &[], 0)
             },
-            depth,
-            object: near(Role::Object),
-            manipulator: near(Role::Manipulator),
+            depth: Stream { unit_m, ..nearest(topics.depth) },
+            object: topics.object.map(nearest),
+            manipulator: topics.manipulator.map(nearest),
         });
+        note_taken(&mut sources, topics, unit_m);
+        sources.take("lens", Some(name), info, lens::form(calibration, rectified));
+        let path = index.tree.path(frame_id);
+        let end = path.iter().position(|f| *f == world).unwrap_or(path.len());
+        let mut path: Vec<&str> = path.into_iter().take(end.saturating_add(1)).collect();
+        path.reverse();
+        let form = if poses.len() > 1 { "moving" } else { "fixed" };
+        sources.take("pose", Some(name), path.join(" > "), form);
         cameras.push(Camera {
-            name,
-            width: size[0],
-            height: size[1],
+            name: name.clone(),
+            width: lens_size[0],
+            height: lens_size[1],
             intrinsics,
             distortion,
             poses,
-            times_s: taken.iter().map(|i| i.map_or(f64::NAN, |i| seconds(i.ns))).collect(),
+            times_s: images.iter().map(|i| i.map_or(f64::NAN, |i| seconds(i.ns))).collect(),
+            fps: None,
         });
     }
+    if let Some((mesh, _)) = &index.mesh {
+        sources.take("mesh", None, mesh, "");
+    }
+    drop(chosen);
     let frame_count = aligned.frame_count;
-    let train = match index.settings.get("train_frame_count") {
-        None => (frame_count as f64 * 0.7).round() as usize,
-        Some(n) => n.parse().map_err(|_| wrong(format!("`train_frame_count` is `{n}`")))?,
-    };
-    let ground = match index.settings.get("ground_height_m") {
-        None => None,
-        Some(height) => {
-            let parsed = height.parse::<f32>().ok().filter(|h| h.is_finite());
-            let offset_m =
-                parsed.ok_or_else(|| wrong(format!("`ground_height_m` is `{height}`")))?;
-            Some(Plane { normal: [0.0, 0.0, 1.0], offset_m })
-        }
-    };
+    let train = (frame_count as f64 * 0.7).round() as usize;
+    let ground = settings.ground_height_m;
     let source = McapFrames { store, chunks: index.chunks, cameras: streams };
     limits.check_pixels(source.pixels(), frame_count, Some(source.store.len()))?;
     Ok(Recording {
         name: name.to_owned(),
         fps: aligned.fps,
         frame_count,
-        train_frame_count: train,
-        environment: Environment { ground, ..Environment::Z_UP },
+        train_frame_count: settings.train_frame_count.unwrap_or(train),
+        environment: Environment {
+            ground: ground.map(|offset_m| Plane { normal: [0.0, 0.0, 1.0], offset_m }),
+            ..Environment::Z_UP
+        },
         source_to_world: frame.rotation,
         cameras,
         mesh: index.mesh.map(|(name, bytes)| MeshFile { name, bytes, to_world: None }),
         truth_tracks: Vec::new(),
         mass_kg: None,
         grippers: Vec::new(),
-        notes: Vec::new(),
-        sources: Sources::default(),
+        notes,
+        sources,
         source: Arc::new(source),
     })
 }
 
-/// The colour topic of each camera, by the cameras' names.
-fn color_topics<'a>(index: &'a Index, store: &Store) -> Result<Vec<&'a Topic>, Error> {
-    let wrong = |fault: String| Error::Document { at: store.name().to_owned(), fault };
-    let mut by_frame: BTreeMap<&str, Vec<&Topic>> = BTreeMap::new();
-    for topic in index.topics.iter().filter(|topic| role(topic) == Role::Color) {
-        by_frame.entry(plain(&topic.head.frame_id)).or_default().push(topic);
-    }
-    let mut colors: Vec<&Topic> = Vec::with_capacity(by_frame.len());
-    for (frame_id, mut topics) in by_frame {
-        // The same images may have been recorded plain and compressed: the more complete ones
-        // count.
-        topics.sort_by(|a, b| b.images.len().cmp(&a.images.len()).then(a.name.cmp(&b.name)));
-        let base = |t: &Topic| t.name.trim_end_matches("/compressed").to_owned();
-        if let Some(other) = topics.iter().find(|t| base(t) != base(topics[0])) {
-            return Err(wrong(format!(
-                "colour topics `{}` and `{}` have the same frame_id `{frame_id}`: give every camera its own, and record \
-                 one colour topic of each",
-                topics[0].name, other.name
-            )));
+/// Decides which parents of the cameras' frames count, and says so.
+fn settle_parents(
+    index: &mut Index,
+    frame_ids: &[String],
+    settings: &Settings,
+    sources: &mut Sources,
+) -> Result<Vec<Finding>, Error> {
+    let cameras: Vec<&str> = frame_ids.iter().map(String::as_str).collect();
+    let world = settings.world_frame.as_deref().map(plain);
+    let choices = index.tree.settle_parents(&cameras, world).map_err(|unclear| {
+        Error::Transforms(format!(
+            "the frame `{}` has several parents ({}), and nothing says which one places the cameras: name the world in the \
+             metadata record `bendtwin` (`world_frame`), or record without one of the two; docs/use/cameras.md#calibration",
+            unclear.child,
+            unclear.parents.join(", ")
+        ))
+    })?;
+    let note = |Choice { child, parent, others, because }: Choice| {
+        for other in &others {
+            let what = format!("transform {other} > {child}");
+            sources.leave_out(what, format!("{parent} > {child} was taken: {because}"));
         }
-        colors.extend(topics.first().copied());
-    }
-    if colors.is_empty() {
-        return Err(wrong(
-            "it has no colour images: record sensor_msgs CompressedImage or Image, or foxglove.CompressedImage or RawImage, in \
-             CDR, ROS 1 or protobuf"
-                .into(),
-        ));
-    }
-    colors.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(colors)
+        let message = format!(
+            "the frame `{child}` has the parents `{parent}` and `{}`: that in `{parent}` was taken, as {because}",
+            others.join("`, `")
+        );
+        let advice = "nothing, if that is the calibration; else name the world in the metadata record `bendtwin` \
+                      (`world_frame`); docs/use/cameras.md#calibration";
+        Finding { advice: advice.into(), ..Finding::info("PARENT_TAKEN", message) }
+    };
+    Ok(choices.into_iter().map(note).collect())
 }
 
 /// The frame that counts as the world: what the settings name, else `world`, else the root that all
 /// cameras share.
 fn world(
     index: &Index,
-    colors: &[&Topic],
+    cameras: &[CameraTopics<'_>],
+    settings: &Settings,
     wrong: &dyn Fn(String) -> Error,
 ) -> Result<String, Error> {
-    let paths: Vec<Vec<&str>> =
-        colors.iter().map(|t| index.tree.path(plain(&t.head.frame_id))).collect();
-    for (topic, path) in colors.iter().zip(&paths) {
+    let paths: Vec<Vec<&str>> = cameras.iter().map(|c| index.tree.path(c.frame_id())).collect();
+    for (camera, path) in cameras.iter().zip(&paths) {
         if path.len() < 2 {
             return Err(Error::Camera {
-                camera: topic.name.clone(),
+                camera: camera.color.name.clone(),
                 fault: format!(
                     "no transform leads from its frame `{}` to another (or they go in a circle): record /tf_static with the \
                      cameras' extrinsics",
-                    topic.head.frame_id
+                    camera.color.head.frame_id
                 ),
             });
         }
     }
     let shared = |frame: &str| paths.iter().all(|path| path.contains(&frame));
-    if let Some(named) = index.settings.get("world_frame") {
+    if let Some(named) = &settings.world_frame {
         return if shared(plain(named)) {
             Ok(plain(named).to_owned())
         } else {
@@ -214,20 +231,13 @@ fn world(
         Some(frame) => Ok(frame.to_owned()),
         None => {
             let roots: Vec<&str> = paths.iter().filter_map(|path| path.last().copied()).collect();
-            Err(wrong(format!(
-                "the cameras' frames hang from different roots ({}): record /tf_static with the extrinsics that join them",
+            Err(Error::Transforms(format!(
+                "the cameras' frames hang from different roots ({}): record /tf_static with the extrinsics that join them; \
+                 docs/use/cameras.md#calibration",
                 roots.join(", ")
             )))
         }
     }
-}
-
-/// The topic of a role with the most images among those of a colour topic's frame.
-fn best<'a>(index: &'a Index, color: &Topic, wanted: Role) -> Option<&'a Topic> {
-    let frame = plain(&color.head.frame_id);
-    let fitting = index.topics.iter().filter(|t| role(t) == wanted);
-    let fitting = fitting.filter(|t| plain(&t.head.frame_id) == frame);
-    fitting.max_by(|a, b| a.images.len().cmp(&b.images.len()).then(b.name.cmp(&a.name)))
 }
 
 /// The images of a topic nearest in time to each frame's colour.
@@ -245,81 +255,55 @@ fn stream(topic: &Topic, taken: &[Option<&Stamped>], reach_ns: i64) -> Stream {
         kind: topic.kind,
         wire: topic.wire,
         places: taken.iter().map(nearest).collect(),
+        unit_m: None,
     }
 }
 
-fn unaligned(index: &Index, camera: &str, frame_id: &str) -> Error {
-    let depths = index.topics.iter().filter(|t| role(t) == Role::Depth);
-    let found: Vec<String> =
-        depths.map(|t| format!("{} in {}", t.name, t.head.frame_id)).take(8).collect();
-    Error::DepthNotAligned {
-        camera: camera.to_owned(),
-        frame_id: frame_id.to_owned(),
-        found: if found.is_empty() { "no depth at all".to_owned() } else { found.join(", ") },
+/// Columns and rows of a topic's first image; none if it is damaged, which is found when it is read.
+fn image_size(store: &mut Store, index: &Index, topic: &Topic) -> Result<Option<Size>, Error> {
+    if topic.head.size.is_some() {
+        return Ok(topic.head.size);
     }
+    let Some(first) = topic.images.first() else { return Ok(None) };
+    let bytes = store.content(&first.place, &index.chunks, MAX_CHUNK, topic.wire)?;
+    let image = messages::image(topic.kind, topic.wire, &bytes);
+    Ok(image.and_then(|image| images::size_of(&image)))
 }
 
-/// The calibration of a colour topic's frame, and whether the topic was rectified with it.
+/// The calibration of a colour topic's frame, with its topic: of those of the images' size, or of all
+/// if there is none, the one with the most similar name.
 fn calibration<'a>(
     index: &'a Index,
     color: &Topic,
+    size: Option<Size>,
     camera: &str,
-) -> Result<(&'a Calibration, bool), Error> {
+) -> Result<(&'a str, &'a Calibration), Error> {
     let frame = plain(&color.head.frame_id);
     let alike =
         |topic: &str| topic.bytes().zip(color.name.bytes()).take_while(|(a, b)| a == b).count();
     let fitting = index.calibrations.iter().filter(|(_, c)| plain(&c.frame_id) == frame);
-    let nearest = fitting.max_by_key(|(topic, _)| alike(topic));
-    let rectified = color.name.contains("image_rect");
-    match nearest {
-        Some((_, calibration)) => Ok((calibration, rectified)),
-        None => Err(Error::Camera {
-            camera: camera.to_owned(),
-            fault: format!("no CameraInfo has its frame_id `{frame}`: record camera_info, too"),
-        }),
-    }
+    let nearest =
+        fitting.max_by_key(|(topic, c)| (size == Some([c.width, c.height]), alike(topic)));
+    nearest.map(|(topic, calibration)| (topic.as_str(), calibration)).ok_or_else(|| Error::Camera {
+        camera: camera.to_owned(),
+        fault: format!("no CameraInfo has its frame_id `{frame}`: record camera_info, too"),
+    })
 }
 
-fn lens(c: &Calibration, rectified: bool, camera: &str) -> Result<(Intrinsics, Distortion), Error> {
-    let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });
-    if rectified {
-        let &[fx, _, cx, _, _, fy, cy, ..] = c.p.as_slice() else {
-            return fail("its images are rectified, but its CameraInfo has no P".to_owned());
-        };
-        return Ok((Intrinsics { fx, fy, cx, cy }, Distortion::None));
-    }
-    let &[fx, skew, cx, _, fy, cy, ..] = c.k.as_slice() else {
-        return fail("its CameraInfo has no K".to_owned());
+fn note_taken(sources: &mut Sources, topics: &CameraTopics<'_>, unit_m: Option<f64>) {
+    let camera = Some(topics.name.as_str());
+    let form = |topic: &Topic| topic.head.encoding.chars().take(60).collect::<String>();
+    sources.take("colour", camera, &topics.color.name, form(topics.color));
+    let encoding = form(topics.depth);
+    let unit = match unit_m {
+        Some(unit_m) => format!("1 is {unit_m} m, as declared"),
+        None if encoding.starts_with("32FC1") => "metres".to_owned(),
+        None => "1 is 0.001 m".to_owned(),
     };
-    if skew.abs() > 1e-6 {
-        return fail(format!("its K is skewed by {skew}"));
+    sources.take("depth", camera, &topics.depth.name, format!("{encoding}, {unit}"));
+    for (part, topic) in [("object masks", topics.object), ("hand masks", topics.manipulator)] {
+        if let Some(topic) = topic {
+            sources.take(part, camera, &topic.name, form(topic));
+        }
     }
-    let unused = c.d.iter().all(|d| *d == 0.0);
-    let distortion = match c.model.as_str() {
-        _ if unused && c.model != "equidistant" => Some(Distortion::None),
-        "plumb_bob" | "rational_polynomial" | "radtan" => Distortion::brown_conrady(&c.d),
-        "equidistant" | "fisheye" | "kannala_brandt" => match c.d.as_slice() {
-            &[k1, k2, k3, k4] => Some(Distortion::KannalaBrandt([k1, k2, k3, k4])),
-            _ => None,
-        },
-        _ => None,
-    };
-    match distortion {
-        Some(distortion) => Ok((Intrinsics { fx, fy, cx, cy }, distortion)),
-        None => fail(format!(
-            "its distortion is `{}` with {} coefficients: plumb_bob (4 or 5), rational_polynomial (8) and equidistant (4) are \
-             known",
-            c.model.chars().take(40).collect::<String>(),
-            c.d.len()
-        )),
-    }
-}
-
-/// Name of a camera for people: the topic's words before those that name the image.
-fn camera_name(topic: &str, frame_id: &str) -> String {
-    let words = topic.split('/').filter(|word| !word.is_empty());
-    let of_image =
-        |word: &str| word.starts_with("image") || ["color", "rgb", "compressed"].contains(&word);
-    let name: Vec<&str> = words.take_while(|word| !of_image(word)).collect();
-    if name.is_empty() { frame_id.to_owned() } else { name.join("/") }
 }

@@ -1,20 +1,19 @@
 //! Recordings written by the `mcap` crate, their messages by an encoder of this test.
 
+mod bags;
+mod drivers;
 mod encode;
 mod hostile;
+mod made;
 
 use std::{borrow::Cow, collections::BTreeMap, io::Cursor};
 
 use self::encode::{Encoding, Info, compressed_depth, repack};
 use super::*;
-use crate::{
-    Opened, open,
-    raw::{
-        self, Distortion, Intrinsics, Region,
-        testing::{
-            FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, mask_png, pixels, png_file,
-            reason,
-        },
+use crate::raw::{
+    self, Distortion, Intrinsics, Region,
+    testing::{
+        FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, mask_png, pixels, png_file, reason,
     },
 };
 
@@ -330,21 +329,6 @@ fn distortion_models_have_their_names() {
 }
 
 #[test]
-fn a_folder_with_one_file_is_opened() {
-    let folder = tempfile::tempdir().unwrap();
-    let bytes = file(&Wishes::default());
-    std::fs::write(folder.path().join("metadata.yaml"), "rosbag2").unwrap();
-    std::fs::write(folder.path().join("run_0.mcap"), &bytes).unwrap();
-    assert!(matches!(open(folder.path(), &Limits::default()).unwrap(), Opened::Raw(_)));
-    assert_eq!(reason(crate::read(folder.path(), &Limits::default())), "RAW_CAPTURE");
-    std::fs::write(folder.path().join("run_1.mcap"), &bytes).unwrap();
-    assert_eq!(reason(open(folder.path(), &Limits::default())), "SEVERAL_CAPTURES");
-    // The name does not matter: uploads lose it.
-    std::fs::write(folder.path().join("blob"), &bytes).unwrap();
-    assert!(open(&folder.path().join("blob"), &Limits::default()).is_ok());
-}
-
-#[test]
 fn gray_pixels_of_a_raw_image_become_colour() {
     let layout = messages::Layout { width: 2, height: 2, step: 3, big_endian: false };
     let data = [1, 2, 99, 3, 4];
@@ -368,5 +352,5 @@ fn inverse_depth_is_turned_back() {
     data.extend(png_file(3, 1, png::ColorType::Grayscale, true, &bytes));
     let encoding = "32FC1; compressedDepth png".to_owned();
     let image = messages::ImageData { encoding, layout: None, data: &data };
-    assert_eq!(images::depth("d", &image, [3, 1]).unwrap().pixels, [0.5, 2.0, 0.0]);
+    assert_eq!(images::depth("d", &image, [3, 1], None).unwrap().pixels, [0.5, 2.0, 0.0]);
 }

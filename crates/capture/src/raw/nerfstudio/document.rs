@@ -19,6 +19,25 @@ pub(super) struct Document {
     pub(super) up_axis: Option<String>,
     pub(super) ground: Option<Ground>,
     pub(super) train_frame_count: Option<usize>,
+    pub(super) image_orientation: Option<String>,
+}
+
+impl Document {
+    /// Writes all paths with `/`, as programs on Windows do not.
+    pub(super) fn settle_paths(&mut self) {
+        for frame in &mut self.frames {
+            let optional = [
+                &mut frame.depth_file_path,
+                &mut frame.mask_path,
+                &mut frame.manipulator_mask_path,
+            ];
+            for path in optional.into_iter().flatten().chain([&mut frame.file_path]) {
+                if path.contains('\\') {
+                    *path = path.replace('\\', "/");
+                }
+            }
+        }
+    }
 }
 
 #[derive(Deserialize)]

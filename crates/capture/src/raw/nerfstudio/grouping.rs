@@ -22,7 +22,15 @@ pub(super) struct Groups<'a> {
     pub(super) fps: f64,
     pub(super) frame_count: usize,
     pub(super) cameras: Vec<Group<'a>>,
+    /// Form of the frames' times in words.
+    pub(super) timed: &'static str,
 }
+
+/// Times that run from 0 to 1, as nerfstudio's scenes with motion have them, deviate by this at most.
+const NORMALISED: f64 = 1e-6;
+
+/// Relative difference between `fps` and the rate of `time` that rounding explains: 29.97 and 30.
+const SAME_RATE: f64 = 0.03;
 
 /// Sorts the list by camera (`camera_label`, else the image's folder) and frame (`frame_index`,
 /// else `time`, else the number that ends the image's name).
@@ -45,7 +53,7 @@ pub(super) fn group<'a>(document: &'a Document, limits: &Limits) -> Result<Group
         return by_index(document, by_camera, limits, |e| e.frame_index, timed);
     }
     if timed {
-        return by_time(by_camera, limits);
+        return by_time(document, by_camera, limits);
     }
     if by_camera.len() < 2 && !labelled {
         return Err(wrong(
@@ -99,13 +107,30 @@ fn by_index<'a>(
                 )));
             }
         }
-        let times_s = if timed { times(&frames) } else { Vec::new() };
+        let times_s = if timed { times(&frames, 1.0) } else { Vec::new() };
         cameras.push(Group { name, frames, times_s });
     }
-    Ok(Groups { fps, frame_count, cameras })
+    let mut groups = Groups { fps, frame_count, cameras, timed: "by the frames' numbers" };
+    if timed && is_normalised(&document.frames) {
+        // No seconds, and the numbers say all that they do.
+        groups.cameras.iter_mut().for_each(|camera| camera.times_s.clear());
+        groups.timed = NORMALISED_TIMES;
+    }
+    Ok(groups)
+}
+
+const NORMALISED_TIMES: &str = "`time` from 0 to 1 is no seconds, `fps` counts";
+
+/// `true` if times are shares of the recording, and no seconds.
+fn is_normalised(entries: &[FrameEntry]) -> bool {
+    let times = || entries.iter().filter_map(|entry| entry.time);
+    let low = times().fold(f64::INFINITY, f64::min);
+    let high = times().fold(f64::NEG_INFINITY, f64::max);
+    low.abs() <= NORMALISED && (high - 1.0).abs() <= NORMALISED
 }
 
 fn by_time<'a>(
+    document: &Document,
     by_camera: BTreeMap<String, Vec<&'a FrameEntry>>,
     limits: &Limits,
 ) -> Result<Groups<'a>, Error> {
@@ -120,16 +145,45 @@ fn by_time<'a>(
     let clocks: Vec<Vec<f64>> =
         sorted.iter().map(|(_, entries)| entries.iter().map(|e| time(e)).collect()).collect();
     let aligned = clock::align(&clocks, limits.recording_frames)?;
+    let (seconds, timed) = seconds_of_time(document, aligned.fps)?;
     let cameras = sorted.into_iter().zip(&aligned.images).map(|((name, entries), images)| {
         let frames: Vec<_> =
             images.iter().map(|image| image.and_then(|i| entries.get(i).copied())).collect();
-        Group { name, times_s: times(&frames), frames }
+        Group { name, times_s: times(&frames, seconds), frames }
     });
-    Ok(Groups { fps: aligned.fps, frame_count: aligned.frame_count, cameras: cameras.collect() })
+    Ok(Groups {
+        fps: aligned.fps / seconds,
+        frame_count: aligned.frame_count,
+        cameras: cameras.collect(),
+        timed,
+    })
 }
 
-fn times(frames: &[Option<&FrameEntry>]) -> Vec<f64> {
-    frames.iter().map(|frame| frame.and_then(|entry| entry.time).unwrap_or(f64::NAN)).collect()
+/// Seconds of each 1 of `time`, and the times' form in words; `rate` are the frames in each 1.
+///
+/// # Errors
+/// If `time` and `fps` contradict each other, or shares of the recording have no `fps`.
+fn seconds_of_time(document: &Document, rate: f64) -> Result<(f64, &'static str), Error> {
+    let is_normalised = is_normalised(&document.frames);
+    match document.fps {
+        Some(fps) if (rate / fps - 1.0).abs() <= SAME_RATE => Ok((1.0, "by `time` in seconds")),
+        Some(fps) if is_normalised && fps.is_finite() && fps > 0.0 => Ok((rate / fps, NORMALISED_TIMES)),
+        Some(fps) => Err(wrong(format!(
+            "`fps` is {fps}, but by the `time` of its frames there are {rate:.2} in a second: correct one of them \
+             (docs/use/cameras.md#time)"
+        ))),
+        None if is_normalised => Err(wrong(
+            "`time` runs from 0 to 1, as shares of a recording do and seconds hardly: add `fps`, the frames per second \
+             (docs/use/cameras.md#time)"
+                .into(),
+        )),
+        None => Ok((1.0, "by `time` in seconds")),
+    }
+}
+
+fn times(frames: &[Option<&FrameEntry>], seconds: f64) -> Vec<f64> {
+    let time = |frame: &Option<&FrameEntry>| Some((*frame)?.time? * seconds);
+    frames.iter().map(|frame| time(frame).unwrap_or(f64::NAN)).collect()
 }
 
 /// The number at the end of a file's name: 12 of `left/frame_00012.png`.

@@ -134,12 +134,85 @@ fn times_align_cameras() {
             frame["time"] = json!(500.0);
         }
     });
+    let text = describe(&files(&document)).unwrap_err().to_string();
+    assert!(text.contains("`fps` is 25") && text.contains("20.00 in a second"), "{text}");
+    let mut document = document;
+    document["fps"] = Value::Null;
     let recording = describe(&files(&document)).unwrap();
     assert!((recording.fps - 20.0).abs() < 1e-6);
     assert_eq!(recording.frame_count, FRAMES);
     assert_eq!(recording.cameras[1].name, "right");
     let times = &recording.cameras[1].times_s;
     assert!((times[0] - 100.01).abs() < 1e-9 && times[2].is_nan() && !times[3].is_nan());
+}
+
+/// nerfstudio's scenes with motion have times from 0 to 1, which are no seconds.
+#[test]
+fn times_from_0_to_1_need_and_take_the_frame_rate() {
+    let mut document = with(|i, frame| {
+        frame["time"] = json!((i % FRAMES) as f64 / (FRAMES - 1) as f64);
+    });
+    let recording = describe(&files(&document)).unwrap();
+    assert!((recording.fps - 25.0).abs() < 1e-6 && recording.frame_count == FRAMES);
+    let times = &recording.cameras[0].times_s;
+    assert!((times[3] - 3.0 / 25.0).abs() < 1e-9, "{times:?}");
+    let lines: Vec<String> = recording.sources.lines().collect();
+    assert!(lines.iter().any(|line| line.contains("`fps` counts")), "{lines:?}");
+    document["fps"] = Value::Null;
+    let text = describe(&files(&document)).unwrap_err().to_string();
+    assert!(text.contains("from 0 to 1") && text.contains("add `fps`"), "{text}");
+    // With numbers of frames the times add nothing.
+    let mut numbered = with(|i, frame| {
+        frame["time"] = json!((i % FRAMES) as f64 / (FRAMES - 1) as f64);
+        frame["frame_index"] = json!(i % FRAMES);
+    });
+    numbered["fps"] = json!(30.0);
+    let recording = describe(&files(&numbered)).unwrap();
+    assert!(recording.fps == 30.0 && recording.cameras[0].times_s.is_empty());
+}
+
+#[test]
+fn paths_may_have_the_separators_of_windows() {
+    let windows = with(|_, frame| {
+        for key in ["file_path", "depth_file_path", "mask_path"] {
+            let path = frame[key].as_str().unwrap().trim_start_matches("./").replace('/', "\\");
+            frame[key] = json!(path);
+        }
+    });
+    let folder = folder(&files(&windows));
+    let recording = raw::open(folder.path(), &Limits::default()).unwrap();
+    assert_eq!(recording.cameras.len(), 2);
+    let mut frames = recording.source.frames(1).unwrap();
+    assert_eq!(frames.color(2).unwrap().unwrap().get(3, 2), Some(color_at(1, 2, 3, 2)));
+    let outside = with(|_, frame| frame["file_path"] = json!("cam\\..\\..\\0.png"));
+    assert_eq!(refused(&outside), "INVALID_DOCUMENT");
+}
+
+#[test]
+fn a_lens_may_stand_in_each_frame() {
+    let mut document = with(|_, frame| {
+        for (key, value) in
+            [("fl_x", 10.0), ("fl_y", 11.0), ("cx", 4.0), ("cy", 3.0), ("w", 8.0), ("h", 6.0)]
+        {
+            frame[key] = json!(value);
+        }
+    });
+    let whole = describe(&files(&document)).unwrap().cameras;
+    for key in ["fl_x", "fl_y", "cx", "cy", "w", "h"] {
+        document.as_object_mut().unwrap().remove(key);
+    }
+    assert_eq!(describe(&files(&document)).unwrap().cameras, whole);
+}
+
+#[test]
+fn a_unit_of_depth_is_no_number_of_units_in_a_metre() {
+    let mut document = document();
+    document["depth_unit_scale_factor"] = json!(1000.0);
+    let text = describe(&files(&document)).unwrap_err().to_string();
+    assert!(
+        text.contains("`depth_unit_scale_factor` is 1000") && text.contains("give 0.001"),
+        "{text}"
+    );
 }
 
 #[test]

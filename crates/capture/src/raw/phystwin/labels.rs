@@ -162,8 +162,8 @@ impl Labels {
 /// The error that names all labels and the setting that decides.
 fn refused(all: &BTreeSet<String>, fault: &str) -> Error {
     Error::MaskLabels(format!(
-        "the masks are labelled {}; {fault}: add the object's labels to {MARKER}, as in \"{KEY}\": [\"{}\"]; all others \
-         are then what moves it",
+        "the masks are labelled {}; {fault}: label them `object` and `hand`, or add the object's labels to {MARKER}, as \
+         in \"{KEY}\": [\"{}\"]; all others are then what moves it (docs/use/cameras.md#masks)",
         quoted(all),
         all.first().map_or("", String::as_str),
     ))
@@ -176,6 +176,11 @@ fn quoted(labels: &BTreeSet<String>) -> String {
 
 fn folded(label: &str) -> String {
     label.trim().to_lowercase()
+}
+
+/// True if a label names a hand, a person or a robot, and nothing else.
+pub(crate) fn names_manipulator(label: &str) -> bool {
+    meaning(label) == Meaning::Manipulator
 }
 
 /// Kind of thing that a label names, by whole words: that of `left_hand`, `gripper 2` or `UR5` is clear, that of

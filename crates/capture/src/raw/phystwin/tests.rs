@@ -1,4 +1,8 @@
+mod calibration;
+mod forms;
+mod rigs;
 mod spellings;
+mod tools;
 
 use super::*;
 use crate::{

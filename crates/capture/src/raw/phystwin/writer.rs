@@ -11,7 +11,7 @@ use bendtwin_mesh::{Mesh, Similarity, write_glb};
 use serde_json::json;
 use zip::{ZipWriter, write::SimpleFileOptions};
 
-use super::{CALIBRATION, DEPTH_UNIT_M, MARKER};
+use super::{DEPTH_UNIT_M, MARKER, poses::CALIBRATION};
 use crate::{
     Error,
     frame::Frame,
@@ -19,7 +19,8 @@ use crate::{
     raw::{Camera, Distortion, MeshFile, Recording, Region, Tracks, encode},
 };
 
-/// Writes a recording as a PhysTwin case into a folder, which is made if it is not there.
+/// Writes a recording as a PhysTwin case into a folder, which is made if it is not there; without
+/// `calibrate.pkl` if its cameras have no poses.
 ///
 /// # Errors
 /// If a camera has a lens with distortion or moves, which the format cannot say; if a frame cannot
@@ -48,11 +49,14 @@ pub fn export_case(
         return Err(Error::Axes("the case's axes are unknown".to_owned()));
     };
     let mut poses = Vec::new();
-    for camera in &recording.cameras {
+    let placed = recording.cameras.iter().any(|camera| !camera.poses.is_empty());
+    for camera in recording.cameras.iter().filter(|_| placed) {
         poses.extend(matrix(camera, turn)?.into_iter().flatten());
     }
     let count = recording.cameras.len();
-    put(CALIBRATION, pickled_list(&poses, count))?;
+    if placed {
+        put(CALIBRATION, pickled_list(&poses, count))?;
+    }
     put(MARKER, metadata(recording).to_string().into_bytes())?;
     let (train, all) = (recording.train_frame_count, recording.frame_count);
     let split = json!({"frame_len": all, "train": [0, train], "test": [train, all]});

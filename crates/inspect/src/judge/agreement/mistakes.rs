@@ -62,6 +62,7 @@ fn pose_fault(change: PoseChange) -> (Code, &'static str) {
             (Code::ExtrinsicsInverted, "the transposition of the rotation")
         }
         PoseChange::OpenGl => (Code::ExtrinsicsAxes, "OpenGL's axes (y up, z towards the viewer)"),
+        PoseChange::Body => (Code::ExtrinsicsAxes, "a body's axes (x forward, y left, z up)"),
         PoseChange::InverseOpenGl => {
             (Code::ExtrinsicsInverted, "the inversion, with OpenGL's axes,")
         }

@@ -17,6 +17,7 @@ fn camera() -> Camera {
         distortion: Distortion::None,
         poses: vec![pose],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 

@@ -22,7 +22,8 @@ use crate::rules::workspace;
 const TRAIT: &str = "crates/core/src/error.rs";
 
 /// Crates whose words in capitals are codes of findings where they are no reasons.
-const FINDERS: [&str; 6] = [
+const FINDERS: [&str; 7] = [
+    "crates/calibrate/",
     "crates/capture/",
     "crates/core/",
     "crates/flow/",
@@ -32,9 +33,11 @@ const FINDERS: [&str; 6] = [
 ];
 
 /// Files with words in capitals of other vocabularies.
-const OTHERS: [&str; 6] = [
+const OTHERS: [&str; 8] = [
     "client/cli/src/demo/playground.rs",
     "client/cli/src/rollout/implausible.rs",
+    "crates/calibrate/src/board/dictionary.rs",
+    "crates/calibrate/src/colmap/model.rs",
     "crates/capture/src/raw/nerfstudio/",
     "crates/contract/src/rollout/implausible.rs",
     "crates/cuda/",

@@ -11,7 +11,7 @@ fn what_is_missing_is_named() {
     assert_eq!(outcome(&Wishes { depth_frame, ..standard() }), "DEPTH_NOT_ALIGNED");
     assert_eq!(outcome(&Wishes { without_tf: true, ..standard() }), "INVALID_CAMERA");
     assert_eq!(outcome(&Wishes { without_info: true, ..standard() }), "INVALID_CAMERA");
-    assert_eq!(outcome(&Wishes { extra_color: true, ..standard() }), "INVALID_DOCUMENT");
+    assert_eq!(outcome(&Wishes { extra_color: true, ..standard() }), "TOPICS_UNCLEAR");
     let rotation = Some([0.0; 4]);
     assert_eq!(outcome(&Wishes { rotation, ..standard() }), "INVALID_CAMERA");
     let rotation = Some([f64::NAN, 0.0, 0.0, 1.0]);
@@ -21,6 +21,9 @@ fn what_is_missing_is_named() {
         ("ground_height_m", "NaN"),
         ("train_frame_count", "-1"),
         ("up_axis", "up"),
+        ("depth_unit_m", "mm"),
+        ("depth_unit_m:/no/topic", "0.001"),
+        ("depth_units", "0.001"),
     ] {
         let settings = [(key.to_owned(), value.to_owned())].into();
         let expected = if key == "up_axis" { "INVALID_AXES" } else { "INVALID_DOCUMENT" };

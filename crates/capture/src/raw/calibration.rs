@@ -1,0 +1,98 @@
+//! A calibration as a document of its own, `calibration.json`: poses of cameras, their lenses and
+//! the ground, measured or converted apart from the recording. World in metres with z up, OpenCV's
+//! camera axes, camera to world.
+
+mod apply;
+mod document;
+
+use bendtwin_core::Plane;
+
+use super::{Distortion, Intrinsics, Pose, Recording};
+use crate::{Error, Limits};
+
+/// Name of the document in a raw PhysTwin case, where it replaces `calibrate.pkl`.
+pub const CALIBRATION_FILE: &str = "calibration.json";
+
+/// Calibration of the cameras of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// The cameras; at least one.
+    pub cameras: Vec<CalibratedCamera>,
+    /// The ground in the calibration's world, if it is known.
+    pub ground: Option<Plane>,
+    /// Origin of the calibration in one word: `board`, `correction`, `ground`, `colmap`, `kalibr`,
+    /// `opencv`, `ros`.
+    pub source: String,
+}
+
+/// Calibration of one camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedCamera {
+    /// Name of the camera in the recording.
+    pub name: String,
+    /// Columns and rows of the images for which it was calibrated.
+    pub size: [usize; 2],
+    /// The pinhole; absent: that of the recording.
+    pub intrinsics: Option<Intrinsics>,
+    /// Distortion by the lens; absent: that of the recording.
+    pub distortion: Option<Distortion>,
+    /// From the camera to the world; absent: that of the recording.
+    pub pose: Option<Pose>,
+    /// Root mean square distance between where the camera saw what it was calibrated with and where
+    /// the calibration puts it [px], if it was measured.
+    pub reprojection_px: Option<f64>,
+}
+
+impl Calibration {
+    /// Reads the document.
+    ///
+    /// # Errors
+    /// If it is not as specified, impossible, or has more cameras than the limits allow.
+    pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
+        document::read(bytes, limits)
+    }
+
+    /// The document.
+    pub fn to_json(&self) -> String {
+        document::write(self)
+    }
+
+    /// Lenses and poses of a recording as they are, in frame 0 if cameras move.
+    pub fn of(recording: &Recording, source: &str) -> Self {
+        let cameras = recording.cameras.iter().map(|camera| CalibratedCamera {
+            name: camera.name.clone(),
+            size: [camera.width, camera.height],
+            intrinsics: Some(camera.intrinsics),
+            distortion: Some(camera.distortion),
+            pose: camera.poses.first().copied(),
+            reprojection_px: None,
+        });
+        Self {
+            cameras: cameras.collect(),
+            ground: recording.environment.ground,
+            source: source.to_owned(),
+        }
+    }
+
+    /// The calibration of each camera of a recording, by name, or by order if no name matches and the
+    /// count agrees.
+    pub(super) fn of_cameras<'a>(
+        &self,
+        names: impl Iterator<Item = &'a str>,
+    ) -> Result<Vec<Option<&CalibratedCamera>>, Error> {
+        apply::pairs(self, &names.collect::<Vec<_>>())
+    }
+
+    /// Replaces lenses, poses and ground of a recording by these. Cameras are matched by name, or by
+    /// order if no name matches and the count agrees. What lies in the recording's world, mesh and
+    /// true tracks, moves with the cameras.
+    ///
+    /// # Errors
+    /// If cameras do not match, or were calibrated for images of another size.
+    pub fn apply(&self, recording: &mut Recording) -> Result<(), Error> {
+        apply::apply(self, recording)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,134 @@
+//! Replaces lenses, poses and ground of a recording.
+
+use bendtwin_core::{Environment, Plane, Point};
+
+use super::{CalibratedCamera, Calibration};
+use crate::{
+    Error,
+    raw::{Camera, Pose, Recording},
+};
+
+pub(super) fn apply(calibration: &Calibration, recording: &mut Recording) -> Result<(), Error> {
+    let pairs = calibration.of_cameras(recording.cameras.iter().map(|c| c.name.as_str()))?;
+    for (camera, new) in recording.cameras.iter().zip(&pairs) {
+        let Some(new) = new else { continue };
+        if new.size != [camera.width, camera.height] {
+            return Err(Error::Camera {
+                camera: camera.name.clone(),
+                fault: format!(
+                    "its images are {} x {} pixels, and it was calibrated for {} x {}",
+                    camera.width, camera.height, new.size[0], new.size[1]
+                ),
+            });
+        }
+    }
+    let missing = |(camera, new): &(&Camera, &Option<&CalibratedCamera>)| {
+        camera.poses.is_empty() && new.is_none_or(|new| new.pose.is_none())
+    };
+    let has_poses = pairs.iter().flatten().any(|new| new.pose.is_some());
+    if let Some((camera, _)) = recording.cameras.iter().zip(&pairs).find(missing)
+        && has_poses
+    {
+        return Err(Error::Camera {
+            camera: camera.name.clone(),
+            fault: "the calibration gives it no pose, and the recording has none".to_owned(),
+        });
+    }
+    let moved = motion(&recording.cameras, &pairs);
+    for (camera, new) in recording.cameras.iter_mut().zip(&pairs) {
+        let Some(new) = new else { continue };
+        camera.intrinsics = new.intrinsics.unwrap_or(camera.intrinsics);
+        camera.distortion = new.distortion.unwrap_or(camera.distortion);
+        if let Some(pose) = new.pose {
+            // A camera that moves keeps its motion.
+            let motion = camera.poses.first().map(|first| pose.after(&first.inverse()));
+            match motion.filter(|_| camera.poses.len() > 1) {
+                Some(motion) => camera.poses.iter_mut().for_each(|pose| *pose = motion.after(pose)),
+                None => camera.poses = vec![pose],
+            }
+        }
+    }
+    if let Some(moved) = moved {
+        carry(recording, &moved);
+    }
+    if let Some(ground) = calibration.ground {
+        recording.environment.ground = Some(ground);
+    } else if has_poses {
+        recording.environment = Environment::Z_UP;
+    }
+    Ok(())
+}
+
+/// The calibration of each camera, in the order of their names.
+pub(super) fn pairs<'a>(
+    calibration: &'a Calibration,
+    names: &[&str],
+) -> Result<Vec<Option<&'a CalibratedCamera>>, Error> {
+    let of = |name: &&str| calibration.cameras.iter().find(|new| new.name == **name);
+    let named: Vec<_> = names.iter().map(of).collect();
+    if named.iter().any(Option::is_some) {
+        return Ok(named);
+    }
+    if calibration.cameras.len() == names.len() {
+        return Ok(calibration.cameras.iter().map(Some).collect());
+    }
+    let list = |names: &mut dyn Iterator<Item = &str>| {
+        names.take(8).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    };
+    Err(Error::Lengths(format!(
+        "the calibration is for {} cameras ({}), and the recording has {} ({}): use the same names",
+        calibration.cameras.len(),
+        list(&mut calibration.cameras.iter().map(|c| c.name.as_str())),
+        names.len(),
+        list(&mut names.iter().copied())
+    )))
+}
+
+/// The motion of the world that most cameras made: that of one of them to which those of the others
+/// are nearest. `None` if no camera had a pose before.
+fn motion(cameras: &[Camera], pairs: &[Option<&CalibratedCamera>]) -> Option<Pose> {
+    let motions: Vec<Pose> = cameras
+        .iter()
+        .zip(pairs)
+        .filter_map(|(camera, new)| {
+            let before = camera.poses.first()?;
+            let after = (*new)?.pose?;
+            Some(after.after(&before.inverse()))
+        })
+        .collect();
+    let apart = |a: &Pose, b: &Pose| {
+        // Distance between where the two take the points of a cube of a metre.
+        [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|p| {
+                let (p, q) = (a.moved(p), b.moved(p));
+                (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
+            })
+            .iter()
+            .sum::<f64>()
+    };
+    // The median distance: one camera that was corrected does not count.
+    let median = |pose: &Pose| {
+        let mut all: Vec<f64> = motions.iter().map(|other| apart(pose, other)).collect();
+        all.sort_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    motions.iter().min_by(|a, b| median(a).total_cmp(&median(b))).copied()
+}
+
+fn carry(recording: &mut Recording, moved: &Pose) {
+    for point in &mut recording.truth_tracks {
+        *point = moved.to_world(point.map(f64::from));
+    }
+    let turn = moved.rotation.map(|row| row.map(|x| x as f32));
+    if let Some(alignment) = recording.mesh.as_mut().and_then(|mesh| mesh.to_world.as_mut()) {
+        alignment.rotation = crate::frame::compose(&turn, &alignment.rotation);
+        alignment.translation = moved.to_world(alignment.translation.map(f64::from));
+    }
+    recording.source_to_world = crate::frame::compose(&turn, &recording.source_to_world);
+    if let Some(ground) = &mut recording.environment.ground {
+        let normal: Point =
+            std::array::from_fn(|i| (0..3).map(|j| turn[i][j] * ground.normal[j]).sum());
+        let shift: f32 = (0..3).map(|i| normal[i] * moved.translation[i] as f32).sum();
+        *ground = Plane { normal, offset_m: ground.offset_m + shift };
+    }
+}

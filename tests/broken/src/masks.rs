@@ -1,0 +1,83 @@
+//! Masks as tools write them: read, or refused with the document to write.
+
+use bendtwin_capture::raw::{ColorImage, Mask};
+
+use crate::{
+    Broken,
+    Expected::{Found, Refused, Sound},
+    Make, broken,
+    files::{FileMap, npy},
+};
+
+/// Columns and rows.
+const SIZE: [usize; 2] = [160, 120];
+const NAMES: &[u8] = br#"{"1": "toy", "2": "hand"}"#;
+
+/// All recordings of this kind.
+pub fn all() -> Vec<Broken> {
+    let case = |name, expected, change| broken(name, expected, Make::Case(change));
+    vec![
+        case("images of labels", Sound("MASK_LABELS"), |f| {
+            labelled(f);
+            f.insert("mask/labels.json".to_owned(), NAMES.to_vec());
+        }),
+        case("images of labels without names", Refused("MASK_LABELS_UNCLEAR"), labelled),
+        case("masks as arrays", Sound("MASK_LABELS"), |f| {
+            replace(f, |camera, label, frame, mask| {
+                let pixels: Vec<u8> = mask.pixels.iter().map(|shown| u8::from(*shown)).collect();
+                let header = "{'descr': '|b1', 'fortran_order': False, 'shape': (120, 160), }";
+                let name = ["toy", "hand"][label];
+                (format!("mask/{camera}/{name}/{frame:05}.npy"), npy(header, &pixels))
+            });
+        }),
+        case("numbers of things without names", Refused("MASK_LABELS_UNCLEAR"), |f| {
+            replace(f, |camera, label, frame, mask| {
+                let bytes = mask.encode().expect("it has pixels");
+                (format!("mask/{camera}/{:03}/{frame:05}.png", label + 1), bytes)
+            });
+        }),
+        case("masks of the first images alone", Found("MASKS_NOT_FOLLOWED"), |f| {
+            f.retain(|name, _| {
+                !name.starts_with("mask/") || name.ends_with("/0.png") || name.ends_with("json")
+            });
+        }),
+        case("masks in run lengths that are cut off", Refused("INVALID_DOCUMENT"), |f| {
+            f.retain(|name, _| !name.starts_with("mask/"));
+            f.insert("mask/0.json".to_owned(), br#"{"1": [{"size": [120, 160], "#.to_vec());
+        }),
+    ]
+}
+
+/// Other files for the masks of object (0) and hand (1), by camera, thing and frame.
+fn replace(files: &mut FileMap, file: impl Fn(usize, usize, usize, &Mask) -> (String, Vec<u8>)) {
+    let mut more = FileMap::new();
+    for (name, bytes) in files.iter() {
+        let parts: Vec<&str> = name.split('/').collect();
+        let ["mask", camera, label, image] = parts.as_slice() else { continue };
+        let number = |text: &str| text.parse().expect("it is a number");
+        let frame = number(image.trim_end_matches(".png"));
+        let mask = Mask::decode(name, bytes, SIZE).expect("it is whole");
+        more.extend([file(number(camera), number(label), frame, &mask)]);
+    }
+    files.retain(|name, _| !name.starts_with("mask/"));
+    files.extend(more);
+}
+
+/// One image for both masks: 1 where the object is, 2 where the hand is.
+fn labelled(files: &mut FileMap) {
+    let mut images: std::collections::BTreeMap<String, ColorImage> = Default::default();
+    for (name, bytes) in files.iter() {
+        let parts: Vec<&str> = name.split('/').collect();
+        let ["mask", camera, label, image] = parts.as_slice() else { continue };
+        let mask = Mask::decode(name, bytes, SIZE).expect("it is whole");
+        let blank = || ColorImage::filled(SIZE[0], SIZE[1], [0; 3]);
+        let labels = images.entry(format!("mask/{camera}/{image}")).or_insert_with(blank);
+        let value = if *label == "0" { 1 } else { 2 };
+        let shown = labels.pixels.iter_mut().zip(&mask.pixels).filter(|(_, shown)| **shown);
+        shown.for_each(|(pixel, _)| *pixel = [value; 3]);
+    }
+    files.retain(|name, _| !name.starts_with("mask/"));
+    files.extend(
+        images.iter().map(|(name, image)| (name.clone(), image.encode().expect("it has pixels"))),
+    );
+}
