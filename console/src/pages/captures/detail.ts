@@ -174,7 +174,8 @@ class CapturePage {
       void this.showImages(report);
       const lacksPoses = report.findings.some(({ code }) => code === 'NOT_CALIBRATED');
       if (report.kind === 'recording') this.#calibration.show(this.capture, report.calibration ?? null, lacksPoses);
-      else this.#supplements.element.hidden = true;
+      // What could not be read may be a recording whose masks or calibration are to be replaced.
+      else this.#supplements.element.hidden = hasPoints(this.capture);
       this.#report.replaceChildren(
         findingsView(report, (finding) => this.remedy(finding)),
         factsView(report),
