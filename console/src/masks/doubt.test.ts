@@ -2,15 +2,15 @@ import { expect, it } from 'vitest';
 import { levelOf, nextDoubtful, summary } from './doubt';
 
 it('doubt has levels in words', () => {
-  const words = [0, 0.2, 0.25, 0.49, 0.5, 1, null, undefined].map((doubt) => levelOf(doubt)?.word);
+  const words = [0, 0.1, 0.12, 0.24, 0.25, 1, null, undefined].map((doubt) => levelOf(doubt)?.word);
   expect(words).toEqual(['sure', 'sure', 'some doubt', 'some doubt', 'doubtful', 'doubtful', undefined, undefined]);
 });
 
 it('the doubt of a camera is told in words', () => {
-  expect(summary([0, 0.1, 0.2])).toBe('sure in all frames');
-  expect(summary([null, null])).toBe('no masks');
+  expect(summary([0, 0.05, 0.1])).toBe('sure in all frames');
+  expect(summary([null, null])).toBe('no images');
   expect(summary([0, 0.9, 0])).toBe('doubtful in frame 1');
-  expect(summary([0, 0.9, 0.8, 0.3, null])).toBe('doubtful in frames 1 to 2, some doubt in 1 frame, no masks in 1 frame');
+  expect(summary([0, 0.9, 0.8, 0.2, null])).toBe('doubtful in frames 1 to 2, some doubt in 1 frame, no image in 1 frame');
   const many = Array.from({ length: 10 }, (_, t) => (t % 2 === 0 ? 0.7 : 0));
   expect(summary(many)).toBe('doubtful in frames 0, 2, 4 and in 2 more places');
 });

@@ -1,20 +1,20 @@
 import { counted } from '../ui/format';
 
-/** Levels of doubt with their words, the least first. */
+/** Levels of doubt with their words, the least first; reports warn from the last one on (`MASKS_DOUBTFUL`). */
 export const LEVELS = [
   { from: 0, word: 'sure', colour: '--good' },
-  { from: 0.25, word: 'some doubt', colour: '--warn' },
-  { from: 0.5, word: 'doubtful', colour: '--bad' },
+  { from: 0.12, word: 'some doubt', colour: '--warn' },
+  { from: 0.25, word: 'doubtful', colour: '--bad' },
 ] as const;
 
 export type Level = (typeof LEVELS)[number];
-/** Doubt in the masks of each frame of a camera, 0..=1; null where there are no masks. */
+/** Share of object and hand in each image of a camera whose label is uncertain, 0..=1; null without an image. */
 export type Doubt = readonly (number | null)[];
 
 /** Ranges of frames that are named before the rest is only counted. */
 const MOST_RANGES = 3;
 
-/** Level of a doubt; null without masks. */
+/** Level of a doubt; null without an image. */
 export function levelOf(doubt: number | null | undefined): Level | null {
   if (doubt === null || doubt === undefined) return null;
   return LEVELS.findLast(({ from }) => doubt >= from) ?? LEVELS[0];
@@ -23,7 +23,7 @@ export function levelOf(doubt: number | null | undefined): Level | null {
 /** The doubt of a camera in a sentence without its end. */
 export function summary(doubt: Doubt): string {
   const known = doubt.filter((value) => value !== null);
-  if (known.length === 0) return 'no masks';
+  if (known.length === 0) return 'no images';
   const ranges = rangesOf(doubt, (value) => levelOf(value) === LEVELS[2]);
   const some = doubt.filter((value) => levelOf(value) === LEVELS[1]).length;
   const missing = doubt.length - known.length;
@@ -33,7 +33,7 @@ export function summary(doubt: Doubt): string {
   const parts = [
     ranges.length > 0 && `doubtful in ${isOne ? 'frame' : 'frames'} ${named.join(', ')}${more}`,
     some > 0 && `some doubt in ${counted(some, 'frame')}`,
-    missing > 0 && `no masks in ${counted(missing, 'frame')}`,
+    missing > 0 && `no image in ${counted(missing, 'frame')}`,
   ].filter((part) => part !== false);
   return parts.length === 0 ? 'sure in all frames' : parts.join(', ');
 }

@@ -137,7 +137,8 @@ class MasksPage {
       if (!(error instanceof Problem && error.reason === 'PLAYBACK_MISSING')) throw error;
       this.#explain(
         hasEnded(this.capture.ingest)
-          ? 'This capture has no images to mark: it could not be read so far, or was read by an older version. The page of the capture says why, and reads it again.'
+          ? 'This capture has no images to mark: it could not be read so far, or was read by an older version. ' +
+              'The page of the capture says why, and reads it again.'
           : 'The images come once the recording has been read.',
       );
     }
@@ -227,7 +228,10 @@ class MasksPage {
     if (isUnderWay) return 'You can add marks meanwhile, for the next time.';
     if (!this.#strokes.has('object')) return 'Mark the object first; then the hand, if one holds it.';
     if (canUse) {
-      return 'Look at the masks along time, above all where they are doubtful. Mark what is wrong in any frame and follow again, or use them.';
+      return (
+        'Look at the masks along time, above all where they are doubtful. ' +
+        'Mark what is wrong in any frame and follow again, or use them.'
+      );
     }
     if (!isNew && hasPoints(this.capture)) return 'These masks are in use. Add marks to change them.';
     if (hasPoints(this.capture)) return 'The points of this capture go until new masks are used; twins stay.';

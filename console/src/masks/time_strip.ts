@@ -2,6 +2,7 @@ import { Images } from '../playback/camera/images';
 import type { CameraHead } from '../playback/file/head';
 import type { Read } from '../playback/file/motion';
 import { h } from '../ui/dom';
+import { percent } from '../ui/format';
 import { LEVELS, levelOf, summary } from './doubt';
 import { colourOf, overlayOf } from './drawing';
 import type { Masks } from './labels';
@@ -10,6 +11,8 @@ import type { Stroke } from './strokes';
 /** Heights of the images and of the bar of doubt [pixels of the page]. */
 const IMAGES_PX = 44;
 const BAR_PX = 22;
+/** Doubt that fills the bar. */
+const FULL = 0.5;
 /** Most images of a strip. */
 const MOST_IMAGES = 24;
 /** Pause after a change of size before a strip is made anew [ms]. */
@@ -60,7 +63,7 @@ export class TimeStrip {
     this.#strokes = strokes;
     const { doubt } = this.camera;
     const here = levelOf(doubt?.[frame]);
-    const now = here === null ? '' : ` Here: ${here.word} (${doubt![frame]!.toFixed(2)}).`;
+    const now = here === null ? '' : ` Here: ${here.word} (${percent(doubt![frame]!)}).`;
     const whole = doubt ? `Doubt: ${summary(doubt)}.` : this.masks.isThere ? 'These masks have no measure of doubt.' : 'No masks yet.';
     const frames = [...new Set(strokes.map((stroke) => stroke.frame))].sort((a, b) => a - b);
     const marked = frames.length === 0 ? '' : ` Marked in ${frames.length === 1 ? 'frame' : 'frames'} ${frames.join(', ')}.`;
@@ -145,7 +148,7 @@ export class TimeStrip {
       const level = levelOf(doubt);
       if (level === null || doubt === null) return;
       // A sure frame is a low line, so that it differs from one without masks.
-      const height = Math.max(doubt * BAR_PX, 2);
+      const height = Math.max(Math.min(doubt / FULL, 1) * BAR_PX, 2);
       context.fillStyle = colour(level.colour);
       context.fillRect(frame * each, BAR_PX - height, Math.max(each - (each > 3 ? 1 : 0), 1), height);
     });
@@ -176,9 +179,9 @@ export function doubtLegend(): HTMLElement {
   const entries = LEVELS.map(({ from, word, colour }) => {
     const swatch = h('span', { class: 'masks-swatch' });
     swatch.style.backgroundColor = `var(${colour})`;
-    return h('span', {}, swatch, from === 0 ? word : `${word}, from ${from}`);
+    return h('span', {}, swatch, from === 0 ? word : `${word}, from ${percent(from)}`);
   });
-  return h('p', { class: 'hint masks-legend' }, 'Doubt (height and colour): ', ...entries);
+  return h('p', { class: 'hint masks-legend' }, 'Doubt, the share of object and hand whose mask is uncertain: ', ...entries);
 }
 
 /** A canvas that was cleared, in pixels of the page. */

@@ -113,15 +113,19 @@ export class CalibrationCard {
     const submit = h('button', { type: 'submit', class: 'primary' }, 'Calibrate');
     const send = async (event: Event): Promise<void> => {
       event.preventDefault();
-      const values = Object.fromEntries(inputs.map(({ name, input }) => [name, input.value])) as Pick<BoardForm, (typeof FIELDS)[number]>;
-      const form = { ...values, pattern: pattern.value as Board['pattern'], dictionary: dictionary.value, legacy: legacy.checked };
-      const read = readBoard(form);
+      const entries = inputs.map(({ name, input }) => [name, input.value] as const);
+      const read = readBoard({
+        ...(Object.fromEntries(entries) as Pick<BoardForm, (typeof FIELDS)[number]>),
+        pattern: pattern.value as Board['pattern'],
+        dictionary: dictionary.value,
+        legacy: legacy.checked,
+      });
       const faults = 'faults' in read ? read.faults : new Map<string, string>();
       for (const { name, input, fault } of inputs) {
         const own = faults.get(name);
         fault.textContent = own === undefined ? '' : `It must be ${own}.`;
-        input.toggleAttribute('aria-invalid', own !== undefined);
-        if (own !== undefined) input.setAttribute('aria-invalid', 'true');
+        if (own === undefined) input.removeAttribute('aria-invalid');
+        else input.setAttribute('aria-invalid', 'true');
       }
       inputs.find(({ name }) => faults.has(name))?.input.focus();
       if ('faults' in read) return;

@@ -2,8 +2,7 @@ import { hasEnded, type Capture } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { percent, size, time } from '../../ui/format';
-import { guideLink } from '../../ui/guide';
+import { size, time } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { actionButton, deleteButton, download, faultPlace } from '../parts/actions';
 import { hasPoints } from '../parts/ingest';
@@ -155,19 +154,10 @@ class CapturePage {
     if (finding.code === 'CAMERA_OFF' && inUse(this.capture).correct !== true) {
       return this.#calibration.button(this.capture, 'Apply the correction', { correct: true });
     }
+    if (finding.code === 'GROUND_OFFERED' && inUse(this.capture).ground !== 'detected') {
+      return this.#calibration.button(this.capture, 'Use the detected ground', { ground: 'detected' });
+    }
     return null;
-  }
-
-  /** Offers the plane that was found in the depth of all cameras, unless it is the ground already. */
-  private groundOffer({ ground_detected: ground }: Report): HTMLElement | null {
-    if (!ground || inUse(this.capture).ground === 'detected') return null;
-    const share = ground.share === undefined ? '' : `, with ${percent(ground.share)} of what they see outside the masks`;
-    return h(
-      'div',
-      { class: 'card' },
-      h('p', {}, `The cameras see a plane${share}. It can be the ground, z = 0. See `, guideLink('ground'), '.'),
-      this.#calibration.button(this.capture, 'Use the detected ground', { ground: 'detected' }),
-    );
   }
 
   private async showReport(): Promise<void> {
@@ -184,10 +174,10 @@ class CapturePage {
       void this.showImages(report);
       const lacksPoses = report.findings.some(({ code }) => code === 'NOT_CALIBRATED');
       if (report.kind === 'recording') this.#calibration.show(this.capture, report.calibration ?? null, lacksPoses);
-      else this.#supplements.element.hidden = true;
+      // What could not be read may be a recording whose masks or calibration are to be replaced.
+      else this.#supplements.element.hidden = hasPoints(this.capture);
       this.#report.replaceChildren(
         findingsView(report, (finding) => this.remedy(finding)),
-        ...[this.groundOffer(report)].filter((view) => view !== null),
         factsView(report),
         ...[sourcesView(report.sources), camerasView(report.cameras)].filter((view) => view !== null),
         picturesView(context, id),

@@ -23,8 +23,6 @@ export interface Report {
   } | null;
   /** The calibration in use, if one was measured or supplied. */
   readonly calibration?: Calibration | null;
-  /** The largest plane in the depth of all cameras. */
-  readonly ground_detected?: { readonly normal: readonly number[]; readonly offset: number; readonly share?: number } | null;
   readonly observed?: {
     readonly point_count: number;
     readonly control_count: number;

@@ -67,8 +67,8 @@ export class Supplements {
       if (file !== undefined) void this.#add(path, kind, file, input);
     });
     const remove = async (): Promise<void> => {
-      const question = { title: `Remove the ${kind.kind}?`, text: 'The next reading is without them.', action: 'Remove', isDangerous: true };
-      if (!(await confirm(question))) return;
+      const question = { title: `Remove the ${kind.kind}?`, text: 'The next reading is without them.' };
+      if (!(await confirm({ ...question, action: 'Remove', isDangerous: true }))) return;
       const { api, signal } = this.context;
       await api.fetch(path, { method: 'DELETE', signal });
       this.#changed(await api.get('/v1/captures/{id}', { id: this.id, signal }), `${kind.label}: removed.`, {});
