@@ -23,7 +23,9 @@ pub fn colmap(data: &[u8]) {
     for is_binary in [true, false] {
         let none: &[u8] = if is_binary { &[0; 8] } else { b"" };
         for files in [[data, none, none], [none, data, none], [none, none, data]] {
-            let Ok(model) = colmap::parse(files[0], files[1], files[2], is_binary) else { continue };
+            let Ok(model) = colmap::parse(files[0], files[1], files[2], is_binary) else {
+                continue;
+            };
             let entries = model.cameras.len() + model.images.len() + model.points.len();
             assert!(entries <= data.len());
             let seen: usize = model.images.iter().map(|image| image.points.len()).sum();

@@ -3,8 +3,8 @@
 
 use bendtwin_contract_kit::{registration, rollout};
 use bendtwin_hostile::{
-    Fault, Rng, arrays, calibrations, damage, documents, images, meshes, pickles, recordings, requests, samples,
-    splats, torch_files, twin_files,
+    Fault, Rng, arrays, calibrations, damage, documents, images, meshes, pickles, recordings,
+    requests, samples, splats, torch_files, twin_files,
 };
 use bendtwin_proto::{json::Read, v1::RollOutRequest};
 use prost::Message as _;

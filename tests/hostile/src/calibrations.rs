@@ -7,34 +7,49 @@ use crate::{Fault, Rng, archives, damage, documents, samples};
 
 /// Faults of files of calibrations.
 pub const FAULTS: &[Fault] = &[
-    Fault { what: "a calibration with damage", make: |rng| {
-        let text = TEXTS[rng.random_range(0..TEXTS.len())];
-        damage::any(rng, text.as_bytes())
-    } },
-    Fault { what: "a calibration with other numbers", make: |rng| {
-        let text = TEXTS[rng.random_range(0..TEXTS.len())];
-        documents::numbers(rng, text.as_bytes())
-    } },
+    Fault {
+        what: "a calibration with damage",
+        make: |rng| {
+            let text = TEXTS[rng.random_range(0..TEXTS.len())];
+            damage::any(rng, text.as_bytes())
+        },
+    },
+    Fault {
+        what: "a calibration with other numbers",
+        make: |rng| {
+            let text = TEXTS[rng.random_range(0..TEXTS.len())];
+            documents::numbers(rng, text.as_bytes())
+        },
+    },
     Fault { what: "a calibration of aliases", make: aliases },
     Fault { what: "a calibration of entities", make: entities },
-    Fault { what: "a calibration of nested brackets", make: |rng| {
-        let open = ["[", "{a: ", "- ", "<a>"][rng.random_range(0..4)];
-        open.repeat(rng.random_range(100..100_000)).into_bytes()
-    } },
+    Fault {
+        what: "a calibration of nested brackets",
+        make: |rng| {
+            let open = ["[", "{a: ", "- ", "<a>"][rng.random_range(0..4)];
+            open.repeat(rng.random_range(100..100_000)).into_bytes()
+        },
+    },
 ];
 
 /// Faults of binary models of COLMAP.
 pub const MODELS: &[Fault] = &[
-    Fault { what: "a model with damage", make: |rng| {
-        let part = parts()[rng.random_range(0..3)].clone();
-        damage::any(rng, &part)
-    } },
-    Fault { what: "a model that claims counts", make: |rng| {
-        let mut part = parts()[rng.random_range(0..3)].clone();
-        let claimed = [u64::MAX, 1 << 40, 1 << 20, 2][rng.random_range(0..4)];
-        part[..8].copy_from_slice(&claimed.to_le_bytes());
-        part
-    } },
+    Fault {
+        what: "a model with damage",
+        make: |rng| {
+            let part = parts()[rng.random_range(0..3)].clone();
+            damage::any(rng, &part)
+        },
+    },
+    Fault {
+        what: "a model that claims counts",
+        make: |rng| {
+            let mut part = parts()[rng.random_range(0..3)].clone();
+            let claimed = [u64::MAX, 1 << 40, 1 << 20, 2][rng.random_range(0..4)];
+            part[..8].copy_from_slice(&claimed.to_le_bytes());
+            part
+        },
+    },
 ];
 
 /// Cases with a faulty `calibration.json`.

@@ -2,7 +2,7 @@
 
 use super::{
     cells::Cell,
-    corners::{Gray, Saddle},
+    corners::Gray,
     dictionary::{Dictionary, Found},
     homography::Homography,
 };
@@ -35,7 +35,6 @@ pub(crate) struct Decoded {
 /// Reads the markers of all cells.
 pub(crate) fn decode(
     image: &Gray,
-    saddles: &[Saddle],
     cells: &[Cell],
     dark: bool,
     marker_share: f64,
@@ -51,10 +50,9 @@ pub(crate) fn decode(
     let borders = if dark { &BORDERS[..] } else { &BORDERS[..1] };
     let mut decoded = Vec::new();
     for (index, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.dark == dark) {
-        let corners = cell.corners.map(|corner| saddles[corner].at);
         let found = borders
             .iter()
-            .filter_map(|border| read(image, corners, marker_share, dictionary.side(), *border))
+            .filter_map(|border| read(image, cell.at, marker_share, dictionary.side(), *border))
             .filter_map(|read| dictionary.find(&read.turns, count, most))
             .min_by_key(|found| found.wrong);
         decoded.extend(found.map(|found| Decoded { cell: index, found }));

@@ -72,8 +72,8 @@ fn a_board_under_the_object_calibrates_its_recording() {
         ..charuco()
     };
     let options = bendtwin_synth::FilmOptions {
-        frames: 6,
-        cameras: 3,
+        frames: 4,
+        cameras: 2,
         size: [848, 480],
         sheet: Some(sheet(&board)),
         ..bendtwin_synth::FilmOptions::tiny(3)
