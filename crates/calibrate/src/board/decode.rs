@@ -18,6 +18,9 @@ const PLACES: [f64; 3] = [-0.22, 0.0, 0.22];
 /// Widths of black borders, in modules: OpenCV's and AprilTag's, and Kalibr's.
 const BORDERS: [usize; 2] = [1, 2];
 
+/// Row and column of a module in a cell, given those in the marker and the last of them.
+type Place = fn(usize, usize, usize) -> (usize, usize);
+
 /// Modules of a cell as black and white, in the four turns.
 pub(crate) struct Read {
     turns: [u64; 4],
@@ -101,7 +104,7 @@ pub(crate) fn read(
         |row: usize, column: usize| values[(row + border) * modules + column + border] > threshold;
     let last = side - 1;
     // Row and column in the cell of a module of the marker whose upper left is corner 0, 1, 2, 3.
-    let places: [fn(usize, usize, usize) -> (usize, usize); 4] = [
+    let places: [Place; 4] = [
         |row, column, _| (row, column),
         |row, column, last| (column, last - row),
         |row, column, last| (last - row, last - column),

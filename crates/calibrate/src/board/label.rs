@@ -153,11 +153,9 @@ impl Parts {
                 .filter_map(|(place, at)| Some(Known { place: *place, at: (*at)? }))
                 .collect();
             let mut grown = false;
-            for corner in 0..at.len() {
-                if at[corner].is_none()
-                    && let Some(saddle) = self.snapped(board, &known, corner, &taken)
-                {
-                    (at[corner], taken[saddle]) = (Some(self.saddles[saddle].at), true);
+            for (corner, at) in at.iter_mut().enumerate().filter(|(_, at)| at.is_none()) {
+                if let Some(saddle) = self.snapped(board, &known, corner, &taken) {
+                    (*at, taken[saddle]) = (Some(self.saddles[saddle].at), true);
                     grown = true;
                 }
             }

@@ -198,7 +198,7 @@ impl Board {
         let modules = self.dictionary.side() + 2 * border;
         let module = |at: f64, from: f64| {
             let share = (at - from) / s.marker_m;
-            (0.0..1.0).contains(&share).then(|| (share * modules as f64) as usize)
+            (0.0..1.0).contains(&share).then_some((share * modules as f64) as usize)
         };
         let (Some(across), Some(up)) =
             (module(at[0], marker.origin[0]), module(at[1], marker.origin[1]))
