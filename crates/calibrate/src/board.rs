@@ -34,7 +34,7 @@ use crate::{Error, lens::Lens, place, statistics::median};
 /// Fewer corners of the board than this in a camera's usual image, and its pose is shaky.
 const FEW_CORNERS: usize = 8;
 /// Distance between corners and where the calibration has them that a good calibration keeps [px].
-const GOOD_PX: f64 = 1.0;
+const GOOD_PX: f64 = 0.6;
 
 /// What the board told.
 #[derive(Clone, Debug)]

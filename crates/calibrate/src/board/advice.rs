@@ -168,15 +168,7 @@ impl Parts {
     /// Number of different markers of a dictionary that are read without a wrong module, and the
     /// largest id.
     fn exact(&self, dictionary: &Dictionary, dark: bool, share: f64) -> (usize, usize) {
-        let decoded = decode(
-            &self.image,
-            &self.saddles,
-            &self.cells,
-            dark,
-            share,
-            dictionary,
-            dictionary.len(),
-        );
+        let decoded = decode(&self.image, &self.cells, dark, share, dictionary, dictionary.len());
         let ids: std::collections::BTreeSet<usize> =
             decoded.iter().filter(|d| d.found.wrong == 0).map(|d| d.found.id).collect();
         (ids.len(), ids.last().copied().unwrap_or_default())

@@ -1,7 +1,8 @@
 //! Cells of a board in an image: dark or light quadrilaterals whose four corners are saddle points
-//! that are joined by edges.
+//! that are joined by edges, and light ones beside dark ones at the rim of a chessboard, where only two
+//! corners are.
 
-use super::corners::Saddle;
+use super::{corners::Saddle, homography::Homography};
 
 /// Most neighbours of a corner that are asked in a direction.
 const NEIGHBOURS: usize = 24;
@@ -13,11 +14,14 @@ const BENT: f64 = 0.08;
 /// Longest side of a cell [px].
 const LONGEST: f64 = 1_000.0;
 
-/// A quadrilateral between four saddle points.
+/// A quadrilateral between saddle points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
-    /// Indices of the corners; clockwise as people see the image.
-    pub(crate) corners: [usize; 4],
+    /// Indices of the corners, clockwise as people see the image; `None` where there is no saddle
+    /// point.
+    pub(crate) corners: [Option<usize>; 4],
+    /// Places of the corners [px].
+    pub(crate) at: [[f64; 2]; 4],
     /// `true` if it is dark inside along its edges.
     pub(crate) dark: bool,
 }
@@ -43,10 +47,45 @@ pub(crate) fn cells(saddles: &[Saddle]) -> Vec<Cell> {
         let lowest = corners.iter().all(|corner| *corner >= first);
         let distinct = (0..4).all(|i| (0..i).all(|j| corners[i] != corners[j]));
         if closed && lowest && distinct {
-            cells.push(Cell { corners, dark: start % 2 == 0 });
+            let at = corners.map(|corner| saddles[corner].at);
+            cells.push(Cell { corners: corners.map(Some), at, dark: start % 2 == 0 });
         }
     }
+    cells.extend(rim(&cells));
     cells
+}
+
+/// The light cells beside dark ones that have no four saddle points, where the plane of the dark one
+/// has them.
+fn rim(cells: &[Cell]) -> Vec<Cell> {
+    let sides: std::collections::HashSet<[Option<usize>; 2]> = cells
+        .iter()
+        .filter(|cell| !cell.dark)
+        .flat_map(|cell| (0..4).map(|k| [cell.corners[k], cell.corners[(k + 1) % 4]]))
+        .collect();
+    let unit = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let mut found = Vec::new();
+    for cell in cells.iter().filter(|cell| cell.dark) {
+        for k in 0..4 {
+            let side = [k, (k + 1) % 4];
+            // The neighbour goes along the side the other way.
+            let [a, b] = side.map(|corner| cell.corners[corner]);
+            if sides.contains(&[b, a]) {
+                continue;
+            }
+            // The side becomes the first of the unit square, and the neighbour lies above it.
+            let turned: [[f64; 2]; 4] = std::array::from_fn(|i| cell.at[(k + i) % 4]);
+            let beyond = Homography::of(&unit, &turned)
+                .and_then(|plane| Some([plane.apply([0.0, -1.0])?, plane.apply([1.0, -1.0])?]));
+            let Some([left, right]) = beyond else { continue };
+            found.push(Cell {
+                corners: [b, a, None, None],
+                at: [turned[1], turned[0], left, right],
+                dark: false,
+            });
+        }
+    }
+    found
 }
 
 /// For each corner and each of its edges the corner at the other end, and that corner's edge.

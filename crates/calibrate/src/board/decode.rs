@@ -2,7 +2,7 @@
 
 use super::{
     cells::Cell,
-    corners::{Gray, Saddle},
+    corners::Gray,
     dictionary::{Dictionary, Found},
     homography::Homography,
 };
@@ -17,6 +17,9 @@ const PLACES: [f64; 3] = [-0.22, 0.0, 0.22];
 
 /// Widths of black borders, in modules: OpenCV's and AprilTag's, and Kalibr's.
 const BORDERS: [usize; 2] = [1, 2];
+
+/// Row and column of a module in a cell, given those in the marker and the last of them.
+type Place = fn(usize, usize, usize) -> (usize, usize);
 
 /// Modules of a cell as black and white, in the four turns.
 pub(crate) struct Read {
@@ -35,7 +38,6 @@ pub(crate) struct Decoded {
 /// Reads the markers of all cells.
 pub(crate) fn decode(
     image: &Gray,
-    saddles: &[Saddle],
     cells: &[Cell],
     dark: bool,
     marker_share: f64,
@@ -51,10 +53,9 @@ pub(crate) fn decode(
     let borders = if dark { &BORDERS[..] } else { &BORDERS[..1] };
     let mut decoded = Vec::new();
     for (index, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.dark == dark) {
-        let corners = cell.corners.map(|corner| saddles[corner].at);
         let found = borders
             .iter()
-            .filter_map(|border| read(image, corners, marker_share, dictionary.side(), *border))
+            .filter_map(|border| read(image, cell.at, marker_share, dictionary.side(), *border))
             .filter_map(|read| dictionary.find(&read.turns, count, most))
             .min_by_key(|found| found.wrong);
         decoded.extend(found.map(|found| Decoded { cell: index, found }));
@@ -103,7 +104,7 @@ pub(crate) fn read(
         |row: usize, column: usize| values[(row + border) * modules + column + border] > threshold;
     let last = side - 1;
     // Row and column in the cell of a module of the marker whose upper left is corner 0, 1, 2, 3.
-    let places: [fn(usize, usize, usize) -> (usize, usize); 4] = [
+    let places: [Place; 4] = [
         |row, column, _| (row, column),
         |row, column, last| (column, last - row),
         |row, column, last| (last - row, last - column),

@@ -152,18 +152,13 @@ mod tests {
 
     #[test]
     fn codes_are_those_that_opencv_draws() {
-        // Rows of cv2.aruco.generateImageMarker(dictionary, id, side + 2) without the border.
-        for (name, id, rows) in [("DICT_4X4_50", 0, &["#.##", ".#.#", "..##", "..#."][..])] {
-            let dictionary = Dictionary::named(name).unwrap();
-            let drawn: Vec<String> = (0..dictionary.side())
-                .map(|row| {
-                    let module =
-                        |column| if dictionary.is_white(id, row, column) { '#' } else { '.' };
-                    (0..dictionary.side()).map(module).collect()
-                })
-                .collect();
-            assert_eq!(drawn, rows, "{name} {id}");
-        }
+        // Rows of cv2.aruco.generateImageMarker(dictionary, 0, 6) without the border.
+        let dictionary = Dictionary::named("DICT_4X4_50").unwrap();
+        let row = |row: usize| -> String {
+            let module = |column| if dictionary.is_white(0, row, column) { '#' } else { '.' };
+            (0..4).map(module).collect()
+        };
+        assert_eq!([0, 1, 2, 3].map(row), ["#.##", ".#.#", "..##", "..#."]);
     }
 
     #[test]

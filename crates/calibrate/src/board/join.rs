@@ -125,16 +125,13 @@ fn join_rests(board: &Board, lenses: &[Lens], rests: &[&Rest]) -> Result<Joined,
 }
 
 type Motions = Vec<Isometry3<f64>>;
+type KnownMotions = Vec<Option<Isometry3<f64>>>;
 
 /// First poses: the board at its first place is the world, a camera is placed by a board whose pose is
 /// known, a board by such a camera.
-fn connect(
-    cameras: usize,
-    rests: usize,
-    views: &[View],
-) -> Result<(Motions, Vec<Option<Isometry3<f64>>>), Apart> {
-    let mut camera_poses: Vec<Option<Isometry3<f64>>> = vec![None; cameras];
-    let mut boards = vec![None; rests];
+fn connect(cameras: usize, rests: usize, views: &[View]) -> Result<(Motions, KnownMotions), Apart> {
+    let mut camera_poses: KnownMotions = vec![None; cameras];
+    let mut boards: KnownMotions = vec![None; rests];
     if let Some(first) = boards.first_mut() {
         *first = Some(Isometry3::identity());
     }
@@ -143,7 +140,6 @@ fn connect(
         for view in views {
             match (camera_poses[view.camera], boards[view.rest]) {
                 (None, Some(board)) => {
-                    let board: Isometry3<f64> = board;
                     camera_poses[view.camera] = Some(view.pose * board.inverse());
                     found = true;
                 }

@@ -40,7 +40,7 @@ pub(crate) struct Sighting {
 /// Saddle points of an image and the cells between them.
 pub(crate) struct Parts {
     pub(super) image: Gray,
-    pub(super) saddles: Vec<Saddle>,
+    saddles: Vec<Saddle>,
     pub(super) cells: Vec<Cell>,
 }
 
@@ -56,7 +56,6 @@ impl Parts {
         let dark = board.settings.pattern == BoardPattern::AprilGrid;
         let decoded = decode(
             &self.image,
-            &self.saddles,
             &self.cells,
             dark,
             board.marker_share(),
@@ -108,19 +107,13 @@ impl Parts {
         let marker = board.markers.get(decoded.found.id)?;
         let cell = self.cells[decoded.cell];
         let first = decoded.found.turn + turn;
-        let saddles: [usize; 4] = std::array::from_fn(|k| cell.corners[(first + k) % 4]);
-        let mut corners = [0; 4];
-        for (corner, known) in corners.iter_mut().zip(marker.cell) {
-            // A cell at a chessboard's rim has no four measured corners: its marker was read in
-            // another cell by chance.
-            *corner = known?;
-        }
+        let turned = |k: usize| (first + k) % 4;
         Some(Placed {
             id: decoded.found.id,
-            corners,
-            saddles,
-            from: corners.map(|corner| board.corners[corner]),
-            to: saddles.map(|saddle| self.saddles[saddle].at),
+            corners: marker.cell,
+            saddles: std::array::from_fn(|k| cell.corners[turned(k)]),
+            from: marker.corners,
+            to: std::array::from_fn(|k| cell.at[turned(k)]),
         })
     }
 
@@ -145,9 +138,10 @@ impl Parts {
         let mut at: Vec<Option<[f64; 2]>> = vec![None; board.corners.len()];
         let mut taken = vec![false; self.saddles.len()];
         for placed in agreeing {
-            for (corner, saddle) in placed.corners.iter().zip(placed.saddles) {
-                if at[*corner].is_none() && !taken[saddle] {
-                    (at[*corner], taken[saddle]) = (Some(self.saddles[saddle].at), true);
+            let pairs = placed.corners.iter().zip(placed.saddles);
+            for (corner, saddle) in pairs.filter_map(|(corner, saddle)| (*corner).zip(saddle)) {
+                if at[corner].is_none() && !taken[saddle] {
+                    (at[corner], taken[saddle]) = (Some(self.saddles[saddle].at), true);
                 }
             }
         }
@@ -159,11 +153,9 @@ impl Parts {
                 .filter_map(|(place, at)| Some(Known { place: *place, at: (*at)? }))
                 .collect();
             let mut grown = false;
-            for corner in 0..at.len() {
-                if at[corner].is_none()
-                    && let Some(saddle) = self.snapped(board, &known, corner, &taken)
-                {
-                    (at[corner], taken[saddle]) = (Some(self.saddles[saddle].at), true);
+            for (corner, at) in at.iter_mut().enumerate().filter(|(_, at)| at.is_none()) {
+                if let Some(saddle) = self.snapped(board, &known, corner, &taken) {
+                    (*at, taken[saddle]) = (Some(self.saddles[saddle].at), true);
                     grown = true;
                 }
             }
@@ -220,9 +212,10 @@ struct Known {
 #[derive(Clone, Debug)]
 struct Placed {
     id: usize,
-    corners: [usize; 4],
-    saddles: [usize; 4],
-    /// The corners on the board [m].
+    /// Corners of its cell that are measured, and saddle points there; `None` at the rim.
+    corners: [Option<usize>; 4],
+    saddles: [Option<usize>; 4],
+    /// The cell's corners on the board [m].
     from: [[f64; 2]; 4],
     /// The same in the image [px].
     to: [[f64; 2]; 4],

@@ -26,9 +26,17 @@ pub struct Board {
 pub struct Marker {
     /// Lower left corner of its black border [m].
     pub origin: [f64; 2],
+    /// Corners of the cell around the marker from the upper left clockwise [m].
+    pub corners: [[f64; 2]; 4],
     /// Corners of the cell around the marker, a square of a chessboard or the tag itself: indices
     /// into the board's corners from the upper left clockwise; `None` at the rim of a chessboard.
     pub cell: [Option<usize>; 4],
+}
+
+impl Marker {
+    fn places(&mut self) -> impl Iterator<Item = &mut [f64; 2]> {
+        std::iter::once(&mut self.origin).chain(&mut self.corners)
+    }
 }
 
 impl Board {
@@ -50,7 +58,8 @@ impl Board {
             BoardPattern::AprilGrid => Self::grid(settings, dictionary),
         };
         let [width, height] = board.size_m();
-        for at in board.corners.iter_mut().chain(board.markers.iter_mut().map(|m| &mut m.origin)) {
+        for at in board.corners.iter_mut().chain(board.markers.iter_mut().flat_map(Marker::places))
+        {
             *at = [at[0] - width / 2.0, at[1] - height / 2.0];
         }
         if board.markers.len() > board.dictionary.len() {
@@ -85,6 +94,9 @@ impl Board {
             .filter(|(row, column)| (row + column + odd) % 2 == 1)
             .map(|(row, column)| Marker {
                 origin: [column as f64 * side + margin, (rows - 1 - row) as f64 * side + margin],
+                corners: [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(right, down)| {
+                    [(column + right) as f64 * side, (rows - row - down) as f64 * side]
+                }),
                 cell: [
                     inner(column, row),
                     inner(column + 1, row),
@@ -106,9 +118,10 @@ impl Board {
             let gap = pitch - side;
             let [x, y] = [column as f64 * pitch + gap, row as f64 * pitch + gap];
             let first = corners.len();
-            corners.extend([[x, y + side], [x + side, y + side], [x + side, y], [x, y]]);
+            let own = [[x, y + side], [x + side, y + side], [x + side, y], [x, y]];
+            corners.extend(own);
             let cell = std::array::from_fn(|k| Some(first + k));
-            markers.push(Marker { origin: [x, y], cell });
+            markers.push(Marker { origin: [x, y], corners: own, cell });
         }
         Self { settings: settings.clone(), dictionary, corners, markers }
     }
@@ -185,7 +198,7 @@ impl Board {
         let modules = self.dictionary.side() + 2 * border;
         let module = |at: f64, from: f64| {
             let share = (at - from) / s.marker_m;
-            (0.0..1.0).contains(&share).then(|| (share * modules as f64) as usize)
+            (0.0..1.0).contains(&share).then_some((share * modules as f64) as usize)
         };
         let (Some(across), Some(up)) =
             (module(at[0], marker.origin[0]), module(at[1], marker.origin[1]))

@@ -44,7 +44,7 @@ pub(super) fn cameras(document: &Value) -> Result<Option<Vec<Described>>, String
 
 fn size(value: &Value) -> Option<[usize; 2]> {
     let [width, height] = matrix::flat(value.get(&["resolution"])?)?.try_into().ok()?;
-    let whole = |x: f64| (x >= 1.0 && x < 1e6 && x.fract() == 0.0).then_some(x as usize);
+    let whole = |x: f64| ((1.0..1e6).contains(&x) && x.fract() == 0.0).then_some(x as usize);
     Some([whole(width)?, whole(height)?])
 }
 

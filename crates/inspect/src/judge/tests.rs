@@ -302,9 +302,8 @@ fn the_correction_of_a_camera_that_is_off_ends_the_finding() {
     let pose = &mut recording.cameras[2].poses[0];
     *pose = disturbed(pose, 2.0, [0.01, 0.0, 0.0]);
     let mut recording = filmed(scene, recording);
-    let settings = IngestSettings::default();
     let look = |recording: &Recording| {
-        inspect(recording, &settings, &CancelToken::default(), &mut |_| {}).unwrap()
+        inspect(recording, &Default::default(), &Default::default(), &mut |_| {}).unwrap()
     };
     let before = look(&recording);
     assert!(before.has("CAMERA_OFF"));

@@ -93,3 +93,19 @@ fn the_mesh_is_the_body_in_the_first_frame() {
 fn motion_capture_is_not_filmed() {
     assert!(matches!(film(Scene::Cable, &FilmOptions::tiny(0)), Err(Error::NotFilmed("cable"))));
 }
+
+#[test]
+fn a_sheet_lies_on_the_table() {
+    let sheet =
+        crate::Sheet { size_m: [0.2, 0.2], columns: 2, black: vec![true, false, false, true] };
+    let options = FilmOptions { sheet: Some(sheet), ..FilmOptions::tiny(3) };
+    let [with, without] = [options, FilmOptions::tiny(3)].map(|options| {
+        let film = film(Scene::Toy, &options).unwrap();
+        film.source.frames(0).unwrap().color(0).unwrap().unwrap()
+    });
+    let count = |image: &bendtwin_capture::raw::ColorImage, range: std::ops::Range<u8>| {
+        image.pixels.iter().filter(|pixel| pixel.iter().all(|c| range.contains(c))).count()
+    };
+    assert!(count(&with, 0..40) > count(&without, 0..40) + 10);
+    assert_ne!(with, without);
+}

@@ -84,11 +84,13 @@ fn a_board_that_was_printed_larger_is_noticed_by_depth() {
 }
 
 #[test]
-fn a_wrong_focal_length_bends_the_board() {
+fn a_wrong_lens_bends_the_board() {
     let mut recording = filmed(&charuco());
-    recording.cameras[1].intrinsics.fy = 480.0;
+    recording.cameras[1].distortion =
+        Distortion::BrownConrady([3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let found = run(&recording, &charuco());
-    assert_eq!(only(&found, "BOARD_MISFIT").cameras, [1]);
+    let finding = found.findings.iter().find(|f| f.code == "BOARD_MISFIT").unwrap();
+    assert_eq!(finding.cameras, [1], "{}", finding.sentence());
 }
 
 #[test]

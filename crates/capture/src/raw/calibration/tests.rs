@@ -131,7 +131,7 @@ fn what_lies_in_the_world_moves_with_most_cameras() {
     assert_eq!(corrected.mesh, before.mesh);
     // All are moved: so is the world.
     let lift = Pose { translation: [0.0, 0.0, 0.5], ..Pose::IDENTITY };
-    let mut lifted = before.clone();
+    let mut lifted = before;
     for camera in &mut calibration.cameras {
         camera.pose = camera.pose.map(|pose| lift.after(&pose));
     }

@@ -52,7 +52,7 @@ fn intrinsics_may_stand_in_the_calibration_only() {
     metadata.as_object_mut().unwrap().remove("intrinsics");
     case.insert("metadata.json".to_owned(), metadata.to_string().into_bytes());
     assert_eq!(opened(&case).unwrap().cameras, before.cameras);
-    let mut without = calibration.clone();
+    let mut without = calibration;
     without.cameras.iter_mut().for_each(|camera| camera.intrinsics = None);
     case.insert(CALIBRATION_FILE.to_owned(), without.to_json().into_bytes());
     let error = opened(&case).unwrap_err().to_string();
