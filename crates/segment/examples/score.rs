@@ -181,7 +181,7 @@ fn overlap(a: &Mask, b: &Mask) -> [u64; 2] {
     both.fold([0, 0], |[both, any], (a, b)| [both + u64::from(*a && *b), any + u64::from(*a || *b)])
 }
 
-/// A click in the middle of the object, and of each of so many hands.
+/// A click in the middle of the object, and of this number of hands.
 fn clicks(recording: &Recording, hands: usize) -> Result<Vec<Stroke>, Failure> {
     let mut strokes = Vec::new();
     for (part, region, count) in

@@ -98,13 +98,17 @@ impl Cells {
         self.cells.len()
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
     /// Neighbours of a cell and the strengths of their connections.
     pub(crate) fn links(&self, cell: usize) -> &[(u32, f32)] {
         &self.links[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
     /// Shares of each cell that agree with its evidence and with its neighbours: a random walker that
-    /// starts in a cell, ends there with the chance `held`, and otherwise goes on to a neighbour;
+    /// starts in a cell, ends there with the chance `held`, and otherwise moves to a neighbour;
     /// where it ends, it takes a part by the evidence `local` (Grady, "Random walks for image
     /// segmentation", 2006, with priors).
     pub(crate) fn diffuse(&self, local: &[Shares], held: &[f32], sweeps: usize) -> Vec<Shares> {

@@ -16,7 +16,7 @@ pub enum Error {
     )]
     #[problem(InvalidArgument, "NOT_CALIBRATED")]
     NotCalibrated(String),
-    /// None of the strokes on the object lies on measured depth.
+    /// The strokes on the object lie where no depth was measured.
     #[error(
         "no stroke on the object meets measured depth in an image that exists: mark it where depth was measured, away \
          from its rim (docs/use/cameras.md#masks)"

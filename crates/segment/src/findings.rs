@@ -1,4 +1,6 @@
-//! Findings about masks: what cannot be told apart, and where the result is doubtful.
+//! Findings about masks: parts that look alike, and where the result is doubtful.
+
+use std::collections::BTreeSet;
 
 use bendtwin_core::Finding;
 
@@ -7,8 +9,8 @@ use crate::{
     part::{BACKGROUND, HAND, OBJECT},
 };
 
-/// Share of colours in common from which two parts look alike. Made recordings whose parts can be told
-/// apart have at most 0.3, those with one colour for both from 0.5.
+/// Share of colours in common from which two parts look alike. Made recordings with parts of
+/// different colours have at most 0.3, those with one colour for both from 0.5.
 const ALIKE: f32 = 0.45;
 /// Doubt from which an image is doubtful.
 const DOUBTFUL: f32 = 0.25;
@@ -17,7 +19,7 @@ const FEW: f64 = 0.05;
 
 const GUIDE: &str = "docs/use/cameras.md#masks";
 
-/// What the first labelled frame shows of what can be told apart. `touching` says whether object and
+/// Parts that look alike in the first labelled frame. `touching` says whether object and
 /// hand touch, `on_table` whether the object lies on the table.
 pub(crate) fn alike(looks: &Looks, has_hand: bool, touching: bool, on_table: bool) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -60,16 +62,10 @@ pub(crate) fn alike(looks: &Looks, has_hand: bool, touching: bool, on_table: boo
     findings
 }
 
-/// Images whose masks are doubtful, and frames in which no camera shows the object.
-pub(crate) fn doubtful(
-    names: &[String],
-    doubt: &[Vec<Option<f32>>],
-    object_seen: &[bool],
-    hand_seen: &[bool],
-) -> Vec<Finding> {
-    let mut findings = Vec::new();
+/// Images whose masks are doubtful.
+pub(crate) fn doubtful(names: &[String], doubt: &[Vec<Option<f32>>]) -> Option<Finding> {
     let mut cameras = Vec::new();
-    let mut frames = std::collections::BTreeSet::new();
+    let mut frames = BTreeSet::new();
     for (camera, doubt) in doubt.iter().enumerate() {
         let bad: Vec<usize> =
             (0..doubt.len()).filter(|t| doubt[*t].is_some_and(|d| d > DOUBTFUL)).collect();
@@ -79,37 +75,23 @@ pub(crate) fn doubtful(
             frames.extend(bad);
         }
     }
-    if !cameras.is_empty() {
-        let each: Vec<String> = cameras
-            .iter()
-            .map(|(camera, bad, known)| format!("{} in {bad} of {known} frames", names[*camera]))
-            .collect();
-        let message = format!("masks are doubtful of camera {}", each.join(", "));
-        let advice = format!("look at these frames and mark what is wrong ({GUIDE})");
-        findings.push(
-            Finding { advice, ..Finding::warning("MASKS_DOUBTFUL", message) }
-                .cameras(cameras.iter().map(|(camera, ..)| *camera))
-                .frames(frames),
-        );
-    }
-    for (what, code, seen) in
-        [("object", "OBJECT_NOT_FOLLOWED", object_seen), ("hand", "HAND_NOT_FOLLOWED", hand_seen)]
-    {
-        // A hand that was never marked is never seen, which is said elsewhere.
-        if !seen.iter().any(|seen| *seen) {
-            continue;
-        }
-        let lost: Vec<usize> = (0..seen.len()).filter(|t| !seen[*t]).collect();
-        if let (Some(first), Some(last)) = (lost.first(), lost.last()) {
-            let message = format!(
-                "no camera shows the {what} in {} frames from {first} to {last}",
-                lost.len()
-            );
-            let advice = format!("if it is there, mark it in one of these frames ({GUIDE})");
-            findings.push(
-                Finding { advice, ..Finding::warning(code, message) }.frames(lost.iter().copied()),
-            );
-        }
-    }
-    findings
+    let each: Vec<String> = cameras
+        .iter()
+        .map(|(camera, bad, known)| format!("{} in {bad} of {known} frames", names[*camera]))
+        .collect();
+    let message = format!("masks are doubtful of camera {}", each.join(", "));
+    let advice = format!("look at these frames and mark what is wrong ({GUIDE})");
+    let finding = Finding { advice, ..Finding::warning("MASKS_DOUBTFUL", message) };
+    let finding = finding.cameras(cameras.iter().map(|(camera, ..)| *camera)).frames(frames);
+    (!cameras.is_empty()).then_some(finding)
+}
+
+/// Frames in which no camera shows the object, or a hand that was marked.
+pub(crate) fn lost(what: &str, code: &str, seen: &[bool]) -> Option<Finding> {
+    let lost: Vec<usize> = (0..seen.len()).filter(|t| !seen[*t]).collect();
+    let (first, last) = (lost.first()?, lost.last()?);
+    let message =
+        format!("no camera shows the {what} in {} frames from {first} to {last}", lost.len());
+    let advice = format!("if it is there, mark it in one of these frames ({GUIDE})");
+    Some(Finding { advice, ..Finding::warning(code, message) }.frames(lost.iter().copied()))
 }

@@ -22,7 +22,7 @@ use crate::{
 
 /// Distance around strokes within which object and hand are sought in the first frame [m], and around
 /// what was labelled in the frame before.
-const FIRST_REACH_M: f32 = 0.5;
+const FIRST_REACH_M: f32 = 0.8;
 const REACH_M: f32 = 0.25;
 /// Every how many-th pixel is a point by which the table is sought.
 const TABLE_STEP: usize = 17;
@@ -199,7 +199,7 @@ impl Follower<'_> {
             total += key - half_way(before, *key);
             before = *key;
         }
-        let mut done = 0;
+        let mut done = 0_usize;
         let mut step = || {
             done += 1;
             progress(done as f64 / total.max(1) as f64);
@@ -208,7 +208,7 @@ impl Follower<'_> {
         if cancel.is_cancelled() {
             return Err(Error::Cancelled);
         }
-        let start = self.begin(first, places)?;
+        let start = self.begin(first, places, cancel)?;
         step()?;
         self.back(&start, (0..first).rev(), &mut step)?;
         let (mut latest, mut before) = (start, first);
@@ -241,7 +241,12 @@ impl Follower<'_> {
     }
 
     /// Labels the first frame.
-    fn begin(&mut self, frame: usize, places: &[Point]) -> Result<Labelled, Error> {
+    fn begin(
+        &mut self,
+        frame: usize,
+        places: &[Point],
+        cancel: &CancelToken,
+    ) -> Result<Labelled, Error> {
         let mut views = read(&self.scene.lenses, &mut self.readers, frame)?;
         self.see_table(&views);
         let marked = self.marked(frame, &views);
@@ -251,6 +256,9 @@ impl Follower<'_> {
             return Err(Error::ObjectWithoutDepth);
         };
         for round in 0..label::WAY_WEIGHTS.len() {
+            if cancel.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
             let shot = self.scene.shoot(views, &self.looks, &reach, &forced);
             let seeds = label::seeds(&shot, &marked);
             if round == 0 {
@@ -263,7 +271,7 @@ impl Follower<'_> {
                 self.looks.anchor();
                 self.judge(&shot, &shares);
                 let labels = self.paint(frame, &shot, &shares, &marked);
-                self.scene.settle(&shot.views, &labels);
+                self.scene.settle(&shot, &labels);
                 return Ok(Labelled::new(&shot, shares));
             }
             views = shot.views;
@@ -274,19 +282,25 @@ impl Follower<'_> {
     /// Labels a frame beside one that is labelled.
     fn advance(&mut self, frame: usize, before: &Labelled) -> Result<Labelled, Error> {
         let views = read(&self.scene.lenses, &mut self.readers, frame)?;
+        if views.iter().all(Option::is_none) {
+            // What was not recorded was not lost.
+            self.seen.iter_mut().for_each(|seen| seen[frame] = true);
+            return Ok(before.clone());
+        }
         let marked = self.marked(frame, &views);
         let forced: Vec<Vec<usize>> =
             marked.iter().map(|pixels| pixels.iter().map(|(at, _)| *at).collect()).collect();
         let places = self.places(frame, &views, &forced);
         let Some(reach) = Reach::around(before.places().chain(places), REACH_M) else {
             // Nothing is left to follow.
-            return Ok(Labelled { cells: before.cells.clone(), shares: before.shares.clone() });
+            self.paint_nothing(frame, &views);
+            return Ok(before.clone());
         };
         let shot = self.scene.shoot(views, &self.looks, &reach, &forced);
-        if shot.cells.len() == 0 {
-            // No camera has this frame, or nothing is in sight: what was known stays known.
+        if shot.cells.is_empty() {
+            // Nothing is in sight: what was known stays known.
             self.paint(frame, &shot, &[], &marked);
-            return Ok(Labelled { cells: before.cells.clone(), shares: before.shares.clone() });
+            return Ok(before.clone());
         }
         let seeds = label::seeds(&shot, &marked);
         let shares = label::follow(&shot, &self.looks, before, &seeds);
@@ -353,7 +367,7 @@ impl Follower<'_> {
                     .scene
                     .table
                     .is_none_or(|table| table.height(place_of(at, depth)) < table.thickness_m);
-                // Without a table the backdrop itself, as far as it is not what is seen now.
+                // Without a table the backdrop itself, where something else is seen now.
                 let is_backdrop = self.scene.table.is_some()
                     || (behind > 0.0 && view.depths[at] > 0.0 && view.depths[at] < 0.9 * behind);
                 if depth > 0.0 && is_low && is_backdrop {
@@ -364,7 +378,7 @@ impl Follower<'_> {
         colors
     }
 
-    /// Findings about what can be told apart.
+    /// Adds findings about parts that look alike.
     fn judge(&mut self, shot: &Shot, shares: &[Shares]) {
         let is = |cell: usize, part: usize| shares[cell][part] > 0.5;
         let touching = (0..shot.cells.len()).any(|cell| {
@@ -378,8 +392,13 @@ impl Follower<'_> {
             });
             low.next().is_some()
         });
-        let has_hand = self.marks.values().flatten().any(|mark| mark.part == HAND);
-        self.findings.extend(findings::alike(&self.looks, has_hand, touching, on_table));
+        let found = findings::alike(&self.looks, self.has_hand(), touching, on_table);
+        self.findings.extend(found);
+    }
+
+    /// `true` if a stroke marks a hand.
+    fn has_hand(&self) -> bool {
+        self.marks.values().flatten().any(|mark| mark.part == HAND)
     }
 
     /// Makes the masks of a frame, and returns the labels of all pixels.
@@ -419,11 +438,27 @@ impl Follower<'_> {
         painted.into_iter().map(|painting| painting.map_or_else(Vec::new, |p| p.labels)).collect()
     }
 
+    /// Makes empty masks of a frame.
+    fn paint_nothing(&mut self, frame: usize, views: &[Option<View>]) {
+        for (camera, view) in views.iter().enumerate() {
+            if view.is_some() {
+                let lens = &self.scene.lenses[camera];
+                let labels = vec![BACKGROUND as u8; lens.len()];
+                self.masks.set(camera, frame, &enlarged(lens, &labels));
+                self.doubt[camera][frame] = Some(0.0);
+            }
+        }
+    }
+
     fn finish(mut self) -> Segmented {
         let names: Vec<String> =
             self.recording.cameras.iter().map(|camera| camera.name.clone()).collect();
+        self.findings.extend(findings::doubtful(&names, &self.doubt));
         let [object, hand] = &self.seen;
-        self.findings.extend(findings::doubtful(&names, &self.doubt, object, hand));
+        self.findings.extend(findings::lost("object", "OBJECT_NOT_FOLLOWED", object));
+        if self.has_hand() {
+            self.findings.extend(findings::lost("hand", "HAND_NOT_FOLLOWED", hand));
+        }
         Segmented { masks: self.masks, doubt: self.doubt, findings: self.findings }
     }
 }

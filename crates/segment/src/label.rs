@@ -54,6 +54,7 @@ const ATTACHED: f32 = 0.75;
 const GAP_M: f32 = 0.03;
 
 /// Cells of a labelled frame, to find them again in the next.
+#[derive(Clone)]
 pub(crate) struct Labelled {
     pub(crate) cells: Vec<(Point, [f32; 3])>,
     pub(crate) shares: Vec<Shares>,

@@ -46,7 +46,7 @@ pub struct Segmented {
     /// Share of object and hand in an image whose label is doubtful, 0..=1; `None` for a frame that the
     /// camera lacks. Shape [camera][T].
     pub doubt: Vec<Vec<Option<f32>>>,
-    /// What could not be used, or not be told apart.
+    /// Strokes that could not be used, parts that look alike, and doubtful masks.
     pub findings: Vec<Finding>,
 }
 

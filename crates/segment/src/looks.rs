@@ -18,9 +18,9 @@ const NEVER: f32 = -30.0;
 /// Colours of the parts.
 #[derive(Clone)]
 pub(crate) struct Looks {
-    /// As in the strokes and the frame that they began.
+    /// Colours in the strokes and in the frame that they began.
     anchors: [Colors; PARTS],
-    /// As in the latest frames.
+    /// Colours in the latest frames.
     latest: [Colors; PARTS],
     densities: [Densities; PARTS],
     has_hand: bool,
@@ -39,7 +39,7 @@ impl Looks {
         self.anchors[part].add(bin(color), weight);
     }
 
-    /// Takes the colours of the parts as they are now seen, in addition to a share of earlier ones.
+    /// Takes the present colours of the parts, in addition to a share of earlier ones.
     pub(crate) fn see(&mut self, seen: &[Colors; PARTS]) {
         for (latest, seen) in self.latest.iter_mut().zip(seen) {
             latest.scale(KEPT);
@@ -48,7 +48,7 @@ impl Looks {
         self.renew();
     }
 
-    /// Takes the colours of the parts as they are now seen, and forgets earlier ones.
+    /// Takes the present colours of the parts, and forgets earlier ones.
     pub(crate) fn see_only(&mut self, seen: [Colors; PARTS]) {
         self.latest = seen;
         self.renew();

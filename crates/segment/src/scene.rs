@@ -15,10 +15,11 @@ use crate::{
     view::{Lens, View},
 };
 
-/// Evidence for the background by what lies behind, as logarithms.
+/// Evidence for the background by what lies behind, as logarithms. The backdrop in another colour may be
+/// something thin, or a shadow.
 const BEFORE: f32 = -2.0;
 const SAME: f32 = 1.0;
-const RECOLOURED: f32 = -0.5;
+const RECOLOURED: f32 = 0.0;
 const SETTLED: f32 = 4.0;
 /// Evidence by the height above the table: on it, above it, below it.
 const ON_TABLE: f32 = 2.0;
@@ -29,6 +30,9 @@ const BELOW: f32 = 3.0;
 const OPEN: f32 = 1.6;
 const OPEN_BY_COLOR: f32 = 4.5;
 const BY_COLOR: f32 = 1.5;
+
+/// No recording is farther from its origin [m]: beyond, cells could not be counted.
+const WORLD_M: f32 = 1e5;
 
 /// Cameras and what stands still in front of them.
 pub(crate) struct Scene<'a> {
@@ -60,7 +64,7 @@ impl Reach {
     }
 
     fn holds(&self, p: Point) -> bool {
-        (0..3).all(|a| (self.low[a]..=self.high[a]).contains(&p[a]))
+        (0..3).all(|a| (self.low[a]..=self.high[a]).contains(&p[a]) && p[a].abs() < WORLD_M)
     }
 }
 
@@ -175,12 +179,15 @@ impl Scene<'_> {
 
     /// Says of all pixels that show the backdrop, and not object or hand, that this is the
     /// background at all times.
-    pub(crate) fn settle(&mut self, views: &[Option<View>], labels: &[Vec<u8>]) {
-        for ((backdrop, view), labels) in self.backdrops.iter_mut().zip(views).zip(labels) {
-            let Some(view) = view else { continue };
+    pub(crate) fn settle(&mut self, shot: &Shot, labels: &[Vec<u8>]) {
+        for (camera, (backdrop, labels)) in self.backdrops.iter_mut().zip(labels).enumerate() {
+            let Some(view) = &shot.views[camera] else { continue };
             for (at, label) in labels.iter().enumerate() {
                 let shown = backdrop.compare(at, view.depths[at], view.colors[at]);
-                if usize::from(*label) == BACKGROUND && shown == Against::Same {
+                // What was out of reach is not known.
+                let was_looked_at =
+                    shot.of_pixel[camera][at] != NONE || shot.evidence[camera][at] > OPEN;
+                if usize::from(*label) == BACKGROUND && shown == Against::Same && was_looked_at {
                     backdrop.settle(at);
                 }
             }

@@ -26,7 +26,7 @@ fn filmed(scene: Scene, options: &FilmOptions) -> (MaskSet, Recording) {
     (truth, recording.with_masks(none))
 }
 
-/// Clicks in the middle of the object, and of so many hands, in the first camera.
+/// Clicks in the middle of the object, and of this number of hands, in the first camera.
 fn clicks(truth: &MaskSet, frame: usize, hands: usize) -> Vec<Stroke> {
     let mut strokes = Vec::new();
     for (part, region, count) in

@@ -225,7 +225,7 @@ struct Stage {
 #[derive(Clone, Debug)]
 struct Actor {
     hand: Hand,
-    /// Its pose in each frame, about its grasp.
+    /// Pose in each frame, about its grasp.
     poses: Vec<Pose>,
 }
 

@@ -245,7 +245,7 @@ impl Iterator for Runs<'_> {
 }
 
 impl Recording {
-    /// The recording with these masks instead of its own.
+    /// The recording with these masks, which replace those that it has.
     #[must_use]
     pub fn with_masks(self, masks: Arc<MaskSet>) -> Self {
         Self { source: Arc::new(Masked { source: self.source.clone(), masks }), ..self }

@@ -109,3 +109,20 @@ fn a_sheet_lies_on_the_table() {
     assert!(count(&with, 0..40) > count(&without, 0..40) + 10);
     assert_ne!(with, without);
 }
+
+#[test]
+fn a_second_hand_holds_from_the_start_or_joins_later() {
+    let shown = |hands: Hands, clutter: bool| {
+        let options = FilmOptions { hands, clutter, ..FilmOptions::tiny(3) };
+        let recording = film(Scene::Ring, &options).unwrap();
+        let mut frames = recording.source.frames(0).unwrap();
+        [0, recording.frame_count - 1].map(|frame| {
+            let mask = frames.mask(frame, Region::Manipulator).unwrap().unwrap();
+            mask.pixels.iter().filter(|shown| **shown).count()
+        })
+    };
+    let [one, two, joining] = [Hands::One, Hands::Two, Hands::Joining].map(|h| shown(h, false));
+    assert!(two[0] as f64 > 1.5 * one[0] as f64, "{one:?} {two:?}");
+    assert!(joining[1] as f64 > 1.5 * one[1] as f64, "{one:?} {joining:?}");
+    assert_eq!(shown(Hands::One, true), one, "what stands beside is no hand");
+}

@@ -30,12 +30,13 @@ const PHYSICS: [&str; 22] = [
     "bendtwin-picture",
     "bendtwin-register",
     "bendtwin-rollout",
+    "bendtwin-segment",
     "bendtwin-splat",
     "bendtwin-study",
     "bendtwin-synth",
 ];
 /// Crates that read, judge and lift captures, or write twins, without physics.
-const CAMERA_SIDE: [&str; 10] = [
+const CAMERA_SIDE: [&str; 11] = [
     "bendtwin-calibrate",
     "bendtwin-capture",
     "bendtwin-exchange",
@@ -46,10 +47,16 @@ const CAMERA_SIDE: [&str; 10] = [
     "bendtwin-lift",
     "bendtwin-mesh",
     "bendtwin-picture",
+    "bendtwin-segment",
 ];
 /// Crates that open captures.
-const CAPTURE_READERS: [&str; 4] =
-    ["bendtwin-capture", "bendtwin-ingest", "bendtwin-inspect", "bendtwin-lift"];
+const CAPTURE_READERS: [&str; 5] = [
+    "bendtwin-capture",
+    "bendtwin-ingest",
+    "bendtwin-inspect",
+    "bendtwin-lift",
+    "bendtwin-segment",
+];
 const SIMULATION: [&str; 8] = [
     "bendtwin-backends",
     "bendtwin-cuda",

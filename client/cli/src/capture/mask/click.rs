@@ -1,4 +1,4 @@
-//! Clicks as they are written on the command line, and strokes in files.
+//! Clicks in the form of the command line, and strokes in files.
 
 use std::{path::Path, str::FromStr};
 

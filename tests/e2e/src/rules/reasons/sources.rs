@@ -22,7 +22,7 @@ use crate::rules::workspace;
 const TRAIT: &str = "crates/core/src/error.rs";
 
 /// Crates whose words in capitals are codes of findings where they are no reasons.
-const FINDERS: [&str; 7] = [
+const FINDERS: [&str; 8] = [
     "crates/calibrate/",
     "crates/capture/",
     "crates/core/",
@@ -30,6 +30,7 @@ const FINDERS: [&str; 7] = [
     "crates/ingest/",
     "crates/inspect/",
     "crates/lift/",
+    "crates/segment/",
 ];
 
 /// Files with words in capitals of other vocabularies.
