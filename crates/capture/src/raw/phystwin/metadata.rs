@@ -163,7 +163,9 @@ impl Metadata {
     /// Times of the cameras' images by their numbers, if the images are as cameras recorded them, before
     /// PhysTwin's `record_data_align.py`; shape [camera].
     pub(super) fn times(&self) -> Option<Vec<BTreeMap<u64, f64>>> {
-        let recording = self.recording.as_ref()?.as_object()?;
+        // The alignment declares a number of frames.
+        let unaligned = self.recording.as_ref().filter(|_| self.frame_num.is_none());
+        let recording = unaligned?.as_object()?;
         let of = |camera: usize| {
             let times = recording.get(&camera.to_string())?.as_object()?;
             let time = |(number, time): (&String, &serde_json::Value)| {
