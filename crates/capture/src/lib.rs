@@ -24,7 +24,6 @@ mod format;
 mod frame;
 mod limits;
 mod pickle;
-mod remarks;
 mod torch;
 
 pub use bundle::{write_bundle, write_bundle_file};
@@ -35,8 +34,7 @@ pub use files::contents::{FilesRead, files_read};
 pub use format::{is_npz, root};
 pub use limits::Limits;
 pub use mocap::described;
-pub use read::{Opened, open, read, read_bytes};
-pub use remarks::Remarks;
+pub use read::{Opened, Remarks, open, read, read_bytes};
 pub use several::Part;
 pub use sources::Sources;
 pub use views::{read_views, write_observation};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use bendtwin_core::Capture;
+use bendtwin_core::{Capture, Finding};
 
 use crate::{
-    Error, Limits, Remarks, bundle,
+    Error, Limits, Sources, bundle,
     check::{Note, structure::validate},
     files::Files,
     format::{Format, Place, root, taken},
@@ -48,6 +48,35 @@ pub enum Opened {
     Raw(Recording),
     /// Several recordings of one object, the reference first.
     Several(Vec<Part>),
+}
+
+/// What a reader of tracked points noticed, and what it took as what.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Remarks {
+    /// What it noticed.
+    pub findings: Vec<Finding>,
+    /// What was taken as what; empty if the format leaves no choice.
+    pub sources: Sources,
+}
+
+impl Remarks {
+    pub(crate) fn add(&mut self, notes: Vec<Note>) {
+        self.findings.extend(notes.into_iter().map(|note| note.0));
+    }
+
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.findings.extend(other.findings);
+        self.sources.extend(other.sources);
+    }
+}
+
+impl IntoIterator for Remarks {
+    type Item = Finding;
+    type IntoIter = std::vec::IntoIter<Finding>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.findings.into_iter()
+    }
 }
 
 /// Opens the capture at a path: with [`read`] or, if nothing there is processed, with

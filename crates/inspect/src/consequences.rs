@@ -14,7 +14,7 @@ enum Strength {
     Certain,
     /// Explains no finding worse than itself.
     Likely,
-    /// Of an error: explains anything about the same cameras, or about all. Of a warning: nothing.
+    /// Explains anything about the same cameras, or about all, if it is an error itself.
     Severe,
 }
 

@@ -31,8 +31,8 @@ fn twelve_healthy_captures_have_no_warning() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// `cargo test -p bendtwin-broken --test healthy -- --ignored --nocapture` prints what
-/// `docs/log/captures.md` reports.
+/// `cargo test -p bendtwin-broken --test healthy -- --ignored --nocapture` prints how many of each half
+/// have a warning.
 #[test]
 #[ignore = "takes minutes"]
 fn no_healthy_capture_has_a_warning() {

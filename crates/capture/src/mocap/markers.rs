@@ -115,7 +115,7 @@ struct Markers {
 /// A marker, or a point of a rigid body.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Mark {
-    /// Its label, without the body's name.
+    /// Label, without the body's name.
     label: String,
     /// Name of the rigid body or marker set that it belongs to; empty if of none.
     set: String,

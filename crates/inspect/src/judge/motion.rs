@@ -129,7 +129,7 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
         if usual > limits.moving_ratio * limits.skip_m {
             moving += 1;
             let is_long = own > limits.skip_m && own > limits.skip_ratio * usual;
-            if is_steady && is_long && goes_on(path, frame) {
+            if is_steady && is_long && keeps_way(path, frame) {
                 skipped.push(frame);
             }
         }
@@ -153,7 +153,7 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
 
 /// True if a long step leads where the steps before and after it lead: a missing frame leaves the way as
 /// it is, noise does not.
-fn goes_on(path: &Path, frame: usize) -> bool {
+fn keeps_way(path: &Path, frame: usize) -> bool {
     let way = |from: usize, to: usize| {
         let at = |f: usize| path.get(f).copied().flatten();
         Some(sub(at(to)?, at(from)?))

@@ -108,7 +108,8 @@ fn drift_by_times(context: &Context<'_>, [a, b]: [usize; 2]) -> Option<f64> {
         median(a.iter().zip(b).map(|(a, b)| a - b).filter(|lag| lag.is_finite()))
     };
     let grown = lag(frames / 2..frames)? - lag(0..frames / 2)?;
-    Some(grown * context.recording.fps)
+    // A frame that is taken later shows things earlier.
+    Some(-grown * context.recording.fps)
 }
 
 fn flag(
@@ -219,7 +220,7 @@ impl Filled {
     }
 }
 
-/// A path with its gaps of at most so many frames filled in.
+/// A path whose gaps of at most `most` frames are filled in.
 fn without_gaps(path: &Path, most: usize) -> Path {
     let mut filled = path.clone();
     let known: Vec<(usize, Vector)> =

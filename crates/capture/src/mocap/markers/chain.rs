@@ -1,5 +1,5 @@
 //! Markers along a cable or a rope: in the order of their labels each keeps its distance from the next,
-//! whatever the shape, and others do not.
+//! in any shape, and others do not.
 
 use super::gaps::Path;
 

@@ -20,12 +20,12 @@ pub(super) enum Role {
     Held,
     /// A control point.
     Hand,
-    /// None, for a reason.
+    /// No part, for a reason.
     None(&'static str),
 }
 
 /// Marks by every name that a description may give them: in full, without the body's name, or the
-/// body's name for all of its own.
+/// body's name, which means all of them.
 #[derive(Debug)]
 pub(super) struct Index(BTreeMap<String, Vec<usize>>);
 
@@ -56,7 +56,7 @@ pub(super) fn roles(marks: &[Mark], description: &Description) -> Result<Vec<Rol
         for label in labels {
             let own = index.find(label);
             if own.is_empty() {
-                let fault = format!("it names the marker `{label}`, and there is none");
+                let fault = format!("it names the marker `{label}`, which the file does not have");
                 let at = "the description of the markers".to_owned();
                 return Err(Error::Document { at, fault });
             }
@@ -87,7 +87,7 @@ pub(super) fn roles(marks: &[Mark], description: &Description) -> Result<Vec<Rol
     Ok(marks.iter().enumerate().map(role).collect())
 }
 
-/// A soft object is no rigid body: whatever is one moves it. Other markers do if their set, or without
+/// A soft object is no rigid body, so that a rigid body moves it. Other markers do if their set, or without
 /// one they themselves, are called after a hand, a gripper or a robot.
 fn moves_it(mark: &Mark) -> bool {
     let name = if mark.set.is_empty() { &mark.label } else { &mark.set };
