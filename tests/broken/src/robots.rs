@@ -81,7 +81,7 @@ pub fn all() -> Vec<Broken> {
                 message.frame_id = "infrared".to_owned();
             }
         }),
-        robot("depth in tenths of a millimetre", Found("DEPTH_UNITS"), |r| {
+        robot("depth of a robot in tenths of a millimetre", Found("DEPTH_UNITS"), |r| {
             tenths(r);
         }),
         robot("depth in a unit that is declared", Sound("TRACKS_MISSING"), |r| {

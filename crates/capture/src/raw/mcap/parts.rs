@@ -75,7 +75,9 @@ pub(super) fn of_files(files: &mut Files<'_>, sources: &mut Sources) -> Result<P
     let mut parts = Vec::with_capacity(names.len());
     for name in names {
         let file = files.section(&name)?;
+        let before = left;
         parts.push(part(name, file, &files.limits, &mut left)?);
+        files.budget.take(before.saturating_sub(left), "files that are unpacked in memory")?;
     }
     Ok(Parts { parts, declared })
 }

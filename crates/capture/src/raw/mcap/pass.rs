@@ -166,35 +166,39 @@ impl<'a> Pass<'a> {
         }
         at_most("channels", self.channels.len() + 1, MAX_CHANNELS)?;
         let schema = self.schemas.get(&schema).map_or("", String::as_str);
-        let known = messages::kind_of(schema, &encoding);
-        if known.is_none()
-            && let Some(what) = messages::unread(schema, &encoding)
-        {
-            self.index.unread.insert(name.clone(), what);
-        }
-        let role = known.map(|(kind, wire)| match kind {
-            Kind::Image | Kind::CompressedImage => {
-                Role::Images { topic: self.topic(name, kind, wire) }
+        let role = match messages::kind_of(schema, &encoding) {
+            None => {
+                if let Some(what) = messages::unread(schema, &encoding) {
+                    self.index.unread.insert(name, what);
+                    at_most("topics", self.index.unread.len(), MAX_CHANNELS)?;
+                }
+                None
             }
-            Kind::Calibration => Role::Calibration { topic: name, wire },
-            Kind::Transform | Kind::Transforms => {
-                Role::Transforms { kind, wire, fixed: name.ends_with("tf_static") }
+            Some((kind @ (Kind::Image | Kind::CompressedImage), wire)) => {
+                Some(Role::Images { topic: self.topic(name, kind, wire)? })
             }
-        });
+            Some((Kind::Calibration, wire)) => Some(Role::Calibration { topic: name, wire }),
+            Some((kind @ (Kind::Transform | Kind::Transforms), wire)) => {
+                let fixed = name.ends_with("tf_static");
+                Some(Role::Transforms { kind, wire, fixed })
+            }
+        };
         self.channels.insert(id, role);
         Ok(())
     }
 
     /// The topic of a name; several channels may feed it.
-    fn topic(&mut self, name: String, kind: Kind, wire: Wire) -> usize {
+    fn topic(&mut self, name: String, kind: Kind, wire: Wire) -> Result<usize, Error> {
         let topics = &mut self.index.topics;
         let same = |t: &Topic| t.name == name && t.kind == kind && t.wire == wire;
         if let Some(index) = topics.iter().position(same) {
-            return index;
+            return Ok(index);
         }
+        // Those of all files together.
+        at_most("topics", topics.len() + 1, MAX_CHANNELS)?;
         let head = ImageHead::default();
         topics.push(Topic { name, kind, wire, head, images: Vec::new() });
-        topics.len() - 1
+        Ok(topics.len() - 1)
     }
 
     fn message(
@@ -232,6 +236,7 @@ impl<'a> Pass<'a> {
                 let calibration =
                     messages::calibration(wire, &bytes).ok_or_else(|| wrong(&topic))?;
                 self.index.calibrations.insert(topic, calibration);
+                at_most("topics", self.index.calibrations.len(), MAX_CHANNELS)?;
                 Ok(())
             }
             Some(&Some(Role::Transforms { kind, wire, fixed })) => {

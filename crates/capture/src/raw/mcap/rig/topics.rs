@@ -145,48 +145,58 @@ fn with_depth<'a>(
     for (topic, gray) in &sorted.color {
         by_frame.entry(frame_of(topic)).or_default().push((topic, *gray));
     }
-    let (mut cameras, mut without): (Vec<(CameraTopics<'a>, bool)>, Vec<&Topic>) =
+    let (mut cameras, mut without): (Vec<Candidate<'a>>, Vec<(&Topic, bool)>) =
         (Vec::new(), Vec::new());
     for (frame_id, topics) in by_frame {
         let depth = sorted.depth_of(topics[0].0);
         let (color, gray) = one_view(frame_id, &topics, depth, sources)?;
-        match sorted.depth_of(color) {
-            Some(depth) => cameras.push((
-                CameraTopics { name: String::new(), color, depth, object: None, manipulator: None },
-                gray || names::is_mapped(&color.name),
-            )),
-            None => without.push(color),
-        }
+        let Some(depth) = sorted.depth_of(color) else {
+            without.push((color, gray));
+            continue;
+        };
+        let (name, object, manipulator) = (String::new(), None, None);
+        let camera = CameraTopics { name, color, depth, object, manipulator };
+        let device = names::device(&color.name);
+        cameras.push(Candidate { camera, device, gray });
     }
-    let device = |topic: &Topic| names::device(&topic.name).to_owned();
-    for color in without {
-        let beside = cameras.iter().find(|(c, _)| device(c.color) == device(color));
-        let own_depth = sorted.depth.iter().any(|(t, _)| device(t) == device(color));
-        match beside {
-            Some((camera, _)) => sources.leave_out(
-                &color.name,
-                format!(
-                    "no depth is in its frame `{}`, and `{}` shows the same device's view",
-                    frame_of(color),
-                    camera.color.name
-                ),
+    for (color, gray) in without {
+        let device = names::device(&color.name);
+        let beside = cameras.iter().find(|c| c.device == device && (gray || !c.gray));
+        let is_own = |depth: &Topic| {
+            names::device(&depth.name) == device
+                && names::view(&depth.name) == names::view(&color.name)
+                && beside.is_none_or(|c| c.camera.frame_id() != frame_of(depth))
+        };
+        let own_depth = sorted.depth.iter().any(|(depth, _)| is_own(depth));
+        let frame_id = frame_of(color);
+        let because = match beside {
+            _ if own_depth || cameras.is_empty() => return Err(unaligned(sorted, color)),
+            Some(Candidate { camera, .. }) => format!(
+                "no depth is in its frame `{frame_id}`, and `{}` of the same device was taken",
+                camera.color.name
             ),
-            None if !own_depth && !cameras.is_empty() => sources
-                .leave_out(&color.name, format!("no depth is in its frame `{}`", frame_of(color))),
-            None => return Err(unaligned(sorted, color)),
-        }
+            None => format!("no depth is in its frame `{frame_id}`"),
+        };
+        sources.leave_out(&color.name, because);
     }
     // A device's images that were mapped onto its other camera, or are gray, show nothing new.
-    let originals: Vec<String> =
-        cameras.iter().filter(|(_, less)| !less).map(|(c, _)| device(c.color)).collect();
-    cameras.retain(|(camera, less)| {
-        let twice = *less && originals.contains(&device(camera.color));
+    let is_less = |c: &Candidate<'_>| c.gray || names::is_mapped(&c.camera.color.name);
+    let originals: Vec<&str> = cameras.iter().filter(|c| !is_less(c)).map(|c| c.device).collect();
+    cameras.retain(|candidate| {
+        let twice = is_less(candidate) && originals.contains(&candidate.device);
         if twice {
-            sources.leave_out(&camera.color.name, "the same device's colour was taken");
+            sources.leave_out(&candidate.camera.color.name, "the same device's colour was taken");
         }
         !twice
     });
-    Ok(cameras.into_iter().map(|(camera, _)| camera).collect())
+    Ok(cameras.into_iter().map(|candidate| candidate.camera).collect())
+}
+
+/// A camera with depth, which may show what another one shows better.
+struct Candidate<'a> {
+    camera: CameraTopics<'a>,
+    device: &'a str,
+    gray: bool,
 }
 
 /// One of the colour topics of a frame, which must be of one device and one view: colour rather than

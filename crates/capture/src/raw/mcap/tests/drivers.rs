@@ -146,6 +146,30 @@ fn a_camera_whose_own_depth_is_in_another_frame_is_refused() {
     let (code, text) = fault(&[camera(0, "/cam0"), own.concat()].concat());
     assert_eq!(code, "DEPTH_NOT_ALIGNED");
     assert!(text.contains("/cam1/depth/image_raw in cam1_ir"), "{text}");
+    // Whatever the cameras are called.
+    let right = [without(camera(1, "/right"), "depth"), depths(1, "/right/depth/image", "ir")];
+    let (code, _) = fault(&[camera(0, "/left"), right.concat()].concat());
+    assert_eq!(code, "DEPTH_NOT_ALIGNED");
+    // A gray image in the frame of depth is no substitute for colour.
+    let own = [without(camera(1, "/cam1"), "depth"), depths(1, "/cam1/depth/image_raw", "cam1_ir")];
+    let gray = images("/cam1/gray/image_raw", "cam1_ir", "mono8", |_, _, _| vec![1]);
+    assert_eq!(fault(&[own.concat(), gray].concat()).0, "DEPTH_NOT_ALIGNED");
+}
+
+#[test]
+fn colour_in_the_frame_of_depth_will_do() {
+    let azure = [
+        without(camera(0, "/k"), "depth"),
+        depths(1, "/k/depth/image_raw", "k_depth"),
+        colors(1, "/k/rgb_to_depth/image_raw", "k_depth"),
+        vec![
+            info("/k/depth/camera_info", "k_depth", [WIDTH, HEIGHT]),
+            transform("/tf_static", "world", "k_depth", [0.0; 3]),
+        ],
+    ];
+    let (_guard, recording) = read(&azure.concat());
+    assert_eq!(taken(&recording, "colour"), ["/k/rgb_to_depth/image_raw (rgb8)"]);
+    assert!(left_out(&recording, "/k/color/image_raw").contains("no depth is in its frame"));
 }
 
 #[test]
