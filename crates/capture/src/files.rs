@@ -38,6 +38,8 @@ enum Source<'a> {
 
 /// Bytes by which an archive's format is recognized.
 const MAGIC: u64 = 512;
+/// Bytes of what is compressed with gzip that have to be sound before it is called no archive.
+const INSIDE: u64 = 1 << 20;
 
 /// `true` if an entry's name stays inside the archive on every system.
 pub(crate) fn is_plain(name: &str) -> bool {
@@ -127,7 +129,7 @@ impl<'a> Files<'a> {
         let is_gzip = start.starts_with(other::GZIP);
         if is_gzip {
             // What is no archive need not be unpacked to its end.
-            let inside = tar::first(storage.clone(), MAGIC)?;
+            let inside = tar::first(storage.clone(), INSIDE)?;
             if !tar::is_tar(&inside) {
                 return Err(other::gzip(at, &inside));
             }

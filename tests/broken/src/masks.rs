@@ -63,7 +63,7 @@ fn replace(files: &mut FileMap, file: impl Fn(usize, usize, usize, &Mask) -> (St
     files.extend(more);
 }
 
-/// One image for both masks: 1 where the object is, 2 where the hand is.
+/// Replaces both masks by one image of labels: 1 where the object is, 2 where the hand is.
 fn labelled(files: &mut FileMap) {
     let mut images: std::collections::BTreeMap<String, ColorImage> = Default::default();
     for (name, bytes) in files.iter() {

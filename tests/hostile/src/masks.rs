@@ -63,7 +63,8 @@ pub fn capture(masks: Vec<u8>) -> [Vec<u8>; 2] {
 
 fn any(rng: &mut Rng, change: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
     let all = valid();
-    change(rng, &all[rng.random_range(0..all.len())])
+    let masks = &all[rng.random_range(0..all.len())];
+    change(rng, masks)
 }
 
 /// Masks of all frames with these run lengths.

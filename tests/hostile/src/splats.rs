@@ -13,7 +13,8 @@ pub const FAULTS: &[Fault] = &[
         what: "Gaussians with damage",
         make: |rng| {
             let files = [ply(), spz(2, 3, &body(2)), spz_4(3, 1, 12)];
-            damage::any(rng, &files[rng.random_range(0..files.len())])
+            let file = &files[rng.random_range(0..files.len())];
+            damage::any(rng, file)
         },
     },
     Fault { what: "an SPZ with damage in what is compressed", make: damaged },

@@ -24,7 +24,7 @@ pub(crate) struct Labels<'r, 'a> {
 }
 
 impl<'a> Array<'a> {
-    /// The array read as labels: integers and truth values as they are; floats by what all of them
+    /// The array read as labels: integers and truth values unchanged; floats by what all of them
     /// look like.
     pub(crate) fn labels(&self) -> Labels<'_, 'a> {
         let floats = || self.data.chunks_exact(self.dtype.size()).map(|b| float(self.dtype, b));

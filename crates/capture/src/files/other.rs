@@ -64,7 +64,7 @@ const ZSTD: Other = Other {
 };
 const GZIPPED: Other = Other {
     what: "compressed with gzip",
-    advice: "unpack it with `gunzip FILE`, and send what comes out of it; only a .tar.gz is read as it is",
+    advice: "unpack it with `gunzip FILE`, and send what comes out of it; only a .tar.gz is read packed",
 };
 const INNER: Other = Other {
     what: "an archive in the place of a capture's files",
@@ -165,7 +165,7 @@ pub(super) fn packed(name: &str) -> Option<Error> {
     Some(error(name, other))
 }
 
-/// The error for a file whose content is none of a capture's, whatever its name says.
+/// The error for a file whose content is not a capture's, under any name.
 pub(super) fn disguised(name: &str, bytes: &[u8]) -> Option<Error> {
     let other = if bytes.starts_with(POINTER) {
         &LFS

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Value, machine::Fault};
 
-const NO_NUMBER: Fault = Fault::Damaged("a number in it is none");
+const NO_NUMBER: Fault = Fault::Damaged("a number in it is no number");
 const NO_TEXT: Fault = Fault::Damaged("a word in it is no text");
 
 /// The value of a line after its opcode: `I` and `L` an integer (or a truth value), `F` a float, `S`

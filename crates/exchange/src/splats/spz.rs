@@ -19,7 +19,7 @@ const ROTATION_BYTES: [(u32, usize); 2] = [(2, 3), (3, 4)];
 /// Spread of the stored colours, in units of a harmonic's coefficient.
 const COLOR_SPREAD: f32 = 0.15;
 
-/// Numbers of all Gaussians as they are stored.
+/// Stored numbers of all Gaussians.
 struct Packed {
     /// Bits behind the point of a position.
     fractional_bits: i32,
@@ -70,7 +70,7 @@ fn of_gzip(content: &[u8]) -> Result<Packed, Error> {
     })
 }
 
-/// The next bytes of a stream, exactly so many.
+/// The next `count` bytes of a stream, and no fewer.
 fn take(stream: &mut impl Read, count: usize) -> Result<Vec<u8>, Error> {
     // Grows as bytes come: a header that claims too much takes no memory.
     let mut bytes = Vec::new();

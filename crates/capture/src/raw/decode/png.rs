@@ -12,13 +12,15 @@ pub(super) const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Memory that the decoder may take beside the pixels: rows, palettes, text.
 const OVERHEAD: usize = 1 << 20;
 
-/// Samples as they are stored, rows at whole bytes.
+type PngReader<'b> = Reader<Cursor<&'b [u8]>>;
+
+/// Samples as stored, rows at whole bytes.
 pub(super) struct Stored {
     pub(super) size: Size,
     pub(super) color: ColorType,
     /// Bits of a sample: 1, 2, 4, 8 or 16.
     pub(super) bits: usize,
-    /// Red, green and blue of each index; empty if there is none.
+    /// Red, green and blue of each index; empty without a palette.
     pub(super) palette: Vec<u8>,
     pub(super) data: Vec<u8>,
 }
@@ -89,7 +91,7 @@ fn open<'b>(
     bytes: &'b [u8],
     wanted: Transformations,
     check: impl FnOnce(Size) -> Result<(), Error>,
-) -> Result<(Size, Reader<Cursor<&'b [u8]>>), Error> {
+) -> Result<(Size, PngReader<'b>), Error> {
     let fail = |e: DecodingError| damaged(at, e.to_string());
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: OVERHEAD });
     decoder.set_transformations(wanted);
@@ -104,10 +106,7 @@ fn open<'b>(
     Ok((size, decoder.read_info().map_err(fail)?))
 }
 
-fn pixels(
-    at: &str,
-    reader: &mut Reader<Cursor<&[u8]>>,
-) -> Result<(ColorType, BitDepth, Vec<u8>), Error> {
+fn pixels(at: &str, reader: &mut PngReader<'_>) -> Result<(ColorType, BitDepth, Vec<u8>), Error> {
     let needed = reader.output_buffer_size().ok_or_else(|| damaged(at, "it is too large"))?;
     let mut data = vec![0; needed];
     let frame = reader.next_frame(&mut data).map_err(|e| damaged(at, e.to_string()))?;

@@ -42,7 +42,7 @@ pub(in crate::raw) enum Place {
 /// Labels in files of masks that belong to a region.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::raw) enum Shown {
-    /// All of them: whatever is not 0.
+    /// All of them: every pixel that is not 0.
     Any,
     /// Those with these words.
     Labels(Arc<BTreeSet<String>>),

@@ -41,7 +41,7 @@ pub(super) fn read(content: &[u8]) -> Result<Packed, Error> {
     let mut entries = content[table..].chunks_exact(ENTRY);
     let mut next = |size: usize| {
         if size == 0 {
-            return Ok(Vec::new());
+            return Ok(&[][..]);
         }
         let entry = entries.next().unwrap_or_default();
         let long = |at: usize| u64::from(word(entry, at)) | u64::from(word(entry, at + 4)) << 32;
@@ -53,23 +53,34 @@ pub(super) fn read(content: &[u8]) -> Result<Packed, Error> {
         if long(8) != size as u64 {
             return Err(damaged("a stream of it has another length than its Gaussians"));
         }
-        let window = (size as u64).max(MOST_WINDOW);
-        let mut decoder = StreamingDecoder::new_with_max_window_size(stream, window)
-            .map_err(|e| Error::Damaged(e.to_string()))?;
-        take(&mut decoder, size)
+        Ok(stream)
     };
-    let [positions, opacities, colors, scales, rotations, _] = sizes;
-    Ok(Packed {
+    let [positions, opacities, colors, scales, rotations, harmonics] = sizes;
+    let packed = Packed {
         fractional_bits,
         degree,
         axes,
-        positions: next(positions)?,
-        opacities: next(opacities)?,
-        colors: next(colors)?,
-        scales: next(scales)?,
-        rotations: next(rotations)?,
+        positions: unpacked(next(positions)?, positions)?,
+        opacities: unpacked(next(opacities)?, opacities)?,
+        colors: unpacked(next(colors)?, colors)?,
+        scales: unpacked(next(scales)?, scales)?,
+        rotations: unpacked(next(rotations)?, rotations)?,
         rotation_bytes: ROTATION_BYTES,
-    })
+    };
+    // They are not needed, but a file without their end was cut off.
+    next(harmonics)?;
+    Ok(packed)
+}
+
+/// The content of a stream that unpacks to `size` bytes.
+fn unpacked(stream: &[u8], size: usize) -> Result<Vec<u8>, Error> {
+    if size == 0 {
+        return Ok(Vec::new());
+    }
+    let window = (size as u64).max(MOST_WINDOW);
+    let mut decoder = StreamingDecoder::new_with_max_window_size(stream, window)
+        .map_err(|e| Error::Damaged(e.to_string()))?;
+    take(&mut decoder, size)
 }
 
 /// Directions of the axes by the extension that names them.

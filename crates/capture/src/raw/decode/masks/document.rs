@@ -110,7 +110,7 @@ pub(super) fn read(
     match &document {
         // What a document says of itself is no name of its masks.
         Value::Object(map) if !map.contains_key("counts") => {
-            search.entries(map, Above::default())?
+            search.entries(map, Above::default())?;
         }
         document => search.walk(document, Above::default())?,
     }

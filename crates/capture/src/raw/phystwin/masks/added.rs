@@ -1,4 +1,4 @@
-//! Masks that are added to a recording of any format, from an archive or a folder of their own.
+//! Masks that are added to a recording of any format, from a separate archive or folder.
 
 use std::{path::Path, sync::Arc};
 
@@ -27,7 +27,7 @@ struct Reader<'a> {
 }
 
 impl Recording {
-    /// The recording with the masks in a folder or an archive instead of its own. They lie in `mask`,
+    /// The recording with the masks in a folder or an archive, which replace those that it has. They lie in `mask`,
     /// or at the root, in any form that a raw PhysTwin case may have, and are numbered by frames.
     ///
     /// # Errors

@@ -97,17 +97,23 @@ pub(super) fn find(
 }
 
 impl Names {
-    /// The name of a label. A word is its own name if there is no document.
+    /// The name of a label. A word is its own name, unless there is a document without it.
     pub(super) fn of<'n>(&'n self, label: &'n str) -> Option<&'n str> {
         let known = self.by_label.get(&key(label)).map(String::as_str);
         let is_word = !label.starts_with('#') && !label.bytes().all(|b| b.is_ascii_digit());
-        known.or_else(|| (is_word && self.document.is_none()).then_some(label))
+        let is_name = || self.by_label.values().any(|name| name == label);
+        known.or_else(|| (is_word && (self.document.is_none() || is_name())).then_some(label))
     }
 
     /// Labels with their names that are not among these.
     pub(super) fn absent(&self, labels: &[String]) -> Vec<String> {
         let there: Vec<String> = labels.iter().map(|label| key(label)).collect();
-        let absent = self.written.iter().filter(|label| !there.contains(&key(label)));
+        let is_there = |label: &str| {
+            let label = key(label);
+            let name = self.by_label.get(&label).map(|name| key(name));
+            there.contains(&label) || name.is_some_and(|name| there.contains(&name))
+        };
+        let absent = self.written.iter().filter(|label| !is_there(label));
         absent.map(|label| format!("{label} ({})", self.by_label[&key(label)])).collect()
     }
 

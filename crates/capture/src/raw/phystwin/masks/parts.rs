@@ -39,9 +39,9 @@ pub(super) struct Part {
 
 /// The files of a part.
 pub(super) enum Stored {
-    /// One for each frame.
+    /// A file for each frame.
     Images(Images),
-    /// One for all frames.
+    /// A file for all frames.
     Whole(String),
 }
 
@@ -262,7 +262,7 @@ impl Part {
             ending => format!(".{ending}"),
         };
         let label = match (self.is_one_of, self.label == name) {
-            (_, true) => format!(", `{name}`"),
+            (_, true) => String::new(),
             (true, false) => format!(", label {} is `{name}`", self.label),
             (false, false) => format!(", `{name}`"),
         };

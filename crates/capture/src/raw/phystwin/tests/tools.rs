@@ -402,7 +402,7 @@ fn run_lengths_of_coco_are_read_wherever_tools_put_them() {
     }
 }
 
-/// Where there is one label, it is the object, whatever its number.
+/// Where there is one label, it is the object under any number.
 #[test]
 fn a_single_label_is_the_object() {
     let values: Vec<u8> = labels().iter().map(|l| if *l == 1 { 255 } else { 0 }).collect();
