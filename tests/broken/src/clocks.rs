@@ -48,10 +48,6 @@ fn frames() -> Vec<Broken> {
             Sound("CAMERA_SLOWER"),
             Make::Footage(|f| f.retime(1, |frame| (frame % 3 != 1).then_some(frame))),
         ),
-        footage("a clock that runs fast", "CLOCKS_DRIFT", |f| {
-            f.about.cameras.iter_mut().for_each(|c| c.times_s.clear());
-            f.retime(1, |frame| Some((frame * 8 / 7).min(FRAMES - 1)));
-        }),
         footage("frames in the order of their names", "MOTION_TOO_FAST", |f| {
             // 0, 1, 10, 11, ..., 19, 2, 20, ...
             let mut order: Vec<usize> = (0..FRAMES).collect();
