@@ -140,7 +140,10 @@ async fn masks_alone_are_a_success_without_anything_to_fit(on: On) {
     let capture = bench.fresh_capture("a").await;
     let (jobs, captures) = (bench.store.jobs(), bench.store.captures());
     let missing = captures.masks_content(capture.id).await.err().unwrap();
-    assert_eq!((missing.category(), missing.reason()), (Category::NotFound, "CAPTURE_HAS_NO_MASKS"));
+    assert_eq!(
+        (missing.category(), missing.reason()),
+        (Category::NotFound, "CAPTURE_HAS_NO_MASKS")
+    );
     observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
 
     jobs.create_ingest(again(&capture)).await.unwrap();
