@@ -21,7 +21,7 @@ pub struct CalibrationSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GroundSource {
-    /// As the recording states it.
+    /// The recording states it.
     #[default]
     Recorded,
     /// The largest plane outside the masks in the depth of all cameras, which becomes z = 0.
