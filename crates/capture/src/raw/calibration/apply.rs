@@ -119,6 +119,9 @@ fn carry(recording: &mut Recording, moved: &Pose) {
     for point in &mut recording.truth_tracks {
         *point = moved.to_world(point.map(f64::from));
     }
+    for pose in recording.grippers.iter_mut().flat_map(|g| g.poses.iter_mut().flatten()) {
+        *pose = moved.after(pose);
+    }
     let turn = moved.rotation.map(|row| row.map(|x| x as f32));
     if let Some(alignment) = recording.mesh.as_mut().and_then(|mesh| mesh.to_world.as_mut()) {
         alignment.rotation = crate::frame::compose(&turn, &alignment.rotation);
