@@ -140,7 +140,8 @@ pub fn metadata() -> Vec<Vec<u8>> {
 fn rig(rng: &mut Rng) -> Vec<u8> {
     let change = [damage::any, numbers, form, brackets][rng.random_range(0..4)];
     let documents = metadata();
-    let text = change(rng, &documents[rng.random_range(0..documents.len())]);
+    let document = &documents[rng.random_range(0..documents.len())];
+    let text = change(rng, document);
     archives::with(samples::raw_case(), "metadata.json", text)
 }
 

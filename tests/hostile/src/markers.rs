@@ -6,9 +6,9 @@ use crate::{Fault, Rng, damage, documents};
 
 /// Faults of files of markers.
 pub const FAULTS: &[Fault] = &[
-    Fault { what: "markers with damage", make: |rng| damage::any(rng, &valid(rng)) },
-    Fault { what: "markers that are cut off", make: |rng| damage::cut(rng, &valid(rng)) },
-    Fault { what: "markers with other numbers", make: |rng| documents::numbers(rng, &valid(rng)) },
+    Fault { what: "markers with damage", make: |rng| changed(rng, damage::any) },
+    Fault { what: "markers that are cut off", make: |rng| changed(rng, damage::cut) },
+    Fault { what: "markers with other numbers", make: |rng| changed(rng, documents::numbers) },
     Fault { what: "markers with a count that is a lie", make: count },
     Fault { what: "markers with a parameter of a wrong size", make: parameter },
     Fault { what: "markers with columns without end", make: columns },
@@ -23,6 +23,12 @@ pub const FAULTS: &[Fault] = &[
 ];
 
 const FRAMES: usize = 6;
+
+/// A valid file with a change.
+fn changed(rng: &mut Rng, change: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
+    let file = valid(rng);
+    change(rng, &file)
+}
 
 /// A valid file of one of the formats.
 pub fn valid(rng: &mut Rng) -> Vec<u8> {
