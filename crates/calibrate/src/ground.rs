@@ -65,6 +65,16 @@ pub fn detect(recording: &Recording, cancel: &CancelToken) -> Result<Option<Grou
     Ok(largest(recording, &points))
 }
 
+/// A calibration with the poses and the ground of another one of the same cameras in the same order: its
+/// own lenses, errors and source stay.
+pub fn with_poses(mut calibration: Calibration, other: &Calibration) -> Calibration {
+    for (camera, other) in calibration.cameras.iter_mut().zip(&other.cameras) {
+        camera.pose = other.pose;
+    }
+    calibration.ground = other.ground;
+    calibration
+}
+
 /// The recording's calibration in the world in which this ground is z = 0; `centred` puts the origin
 /// into the middle of the ground that is seen.
 pub fn level(recording: &Recording, ground: &Ground, centred: bool) -> Calibration {

@@ -22,7 +22,7 @@ pub(crate) fn stand(
         );
         let finding = Finding::new(Severity::Info, "GROUND_DETECTED", message);
         return Ok(Imported {
-            calibration: with_poses(calibration, &level),
+            calibration: ground::with_poses(calibration, &level),
             findings: vec![finding],
         });
     }
@@ -40,13 +40,5 @@ pub(crate) fn stand(
     let message = "no plane is found in depth, so that up is the first camera's and the ground is not known: record the \
                    table in view, or calibrate with a board on it (docs/use/cameras.md#ground)";
     let finding = Finding::from_sentence(Severity::Warning, "GROUND_NOT_DETECTED", message);
-    Ok(Imported { calibration: with_poses(calibration, &level), findings: vec![finding] })
-}
-
-fn with_poses(mut calibration: Calibration, level: &Calibration) -> Calibration {
-    for (camera, level) in calibration.cameras.iter_mut().zip(&level.cameras) {
-        camera.pose = level.pose;
-    }
-    calibration.ground = level.ground;
-    calibration
+    Ok(Imported { calibration: ground::with_poses(calibration, &level), findings: vec![finding] })
 }

@@ -150,6 +150,12 @@ impl Work<'_> {
                 name.clone_into(&mut seen.name);
                 seen.sources = notes.sources.clone();
                 seen.add(notes);
+                let supplements = self.input.supplements;
+                if supplements != Supplements::default() || !self.settings.strokes.is_empty() {
+                    let message = "strokes and added files are for images, and this capture has tracked points: \
+                                   they were not read";
+                    seen.add([Finding::warning("ADDED_NOT_READ", message)]);
+                }
                 let usable = seen.check_report().require();
                 let capture = usable.map(|()| Some(capture)).map_err(|e| e.fault());
                 Ok(Observed::new(capture, Report::new(seen, None)))
@@ -197,7 +203,8 @@ impl Work<'_> {
     /// Share of the work on a raw recording that is over when it is prepared.
     fn preparation(&self) -> f64 {
         let settings = self.settings;
-        if settings.strokes.is_empty() && settings.calibration.board.is_none() {
+        let calibration = &settings.calibration;
+        if settings.strokes.is_empty() && calibration.board.is_none() && !calibration.correct {
             0.0
         } else if settings.until == Stage::Masks {
             0.8

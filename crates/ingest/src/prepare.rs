@@ -20,6 +20,10 @@ const SAME_UP: f64 = 0.996;
 /// Distance between two grounds up to which they are one [m].
 const SAME_HEIGHT_M: f64 = 0.02;
 
+/// Shares of the preparation that are over when a board was sought, and when masks are made.
+const BOARD: f64 = 0.4;
+const MASKS: f64 = 0.8;
+
 /// A recording ready to be inspected.
 pub(crate) struct Prepared {
     /// With the poses and masks in use.
@@ -34,7 +38,8 @@ pub(crate) struct Prepared {
     pub(crate) masks: Option<StrokeMasks>,
 }
 
-/// Prepares a recording; `observer` gets shares of this part of the work, 0..=1.
+/// Prepares a recording; `observer` gets shares of this part of the work, 0..=1. The correction is
+/// measured where masks show the object, so it comes after them; the ground is sought outside of them.
 ///
 /// # Errors
 /// If `observer` or the work's cancellation asked to stop.
@@ -56,7 +61,7 @@ pub(crate) fn prepare(
     preparing.supplements();
     preparing.board(observer)?;
     let mut tell = |share| {
-        observer.progress(Progress { step: Step::Mask, fraction: 0.5 + 0.5 * share });
+        observer.progress(Progress { step: Step::Mask, fraction: BOARD + (MASKS - BOARD) * share });
     };
     preparing.made.masks =
         strokes::masks(work, &preparing.made.recording, &mut preparing.made.findings, &mut tell)?;
@@ -65,7 +70,7 @@ pub(crate) fn prepare(
         preparing.made.recording = recording.with_masks(masks.set.clone());
         preparing.made.recording.sources.take("masks", None, "strokes", "");
     }
-    preparing.correction()?;
+    preparing.correction(observer)?;
     preparing.ground()?;
     Ok(preparing.made)
 }
@@ -96,7 +101,10 @@ impl Preparing<'_> {
         if let Some(path) = supplements.masks {
             match self.made.recording.clone().with_mask_files(path, limits) {
                 Ok(recording) => self.made.recording = recording,
-                Err(error) => self.fault(&error),
+                Err(error) => {
+                    let finding = error_of(&error.fault()).explains("MASKS_MISSING");
+                    self.made.findings.push(finding);
+                }
             }
         }
     }
@@ -105,7 +113,7 @@ impl Preparing<'_> {
     fn board(&mut self, observer: &mut dyn Observer<Progress>) -> Result<(), Fault> {
         let Some(board) = &self.work.settings.calibration.board else { return Ok(()) };
         let mut tell = |share| {
-            observer.progress(Progress { step: Step::Calibrate, fraction: 0.5 * share });
+            observer.progress(Progress { step: Step::Calibrate, fraction: BOARD * share });
         };
         let found = board::calibrate(&self.made.recording, board, &mut tell, self.work.cancel);
         match unless_stopped(found)? {
@@ -117,16 +125,28 @@ impl Preparing<'_> {
             }
             Err(fault) => self.made.findings.push(error_of(&fault)),
         }
+        if !self.made.recording.is_calibrated() {
+            let errors = self.made.findings.iter_mut().filter(|f| f.severity == Severity::Error);
+            for finding in errors {
+                *finding = finding.clone().explains("NOT_CALIBRATED");
+            }
+        }
         Ok(())
     }
 
     /// Moves the camera that contradicts the others.
-    fn correction(&mut self) -> Result<(), Fault> {
+    fn correction(&mut self, observer: &mut dyn Observer<Progress>) -> Result<(), Fault> {
         let settings = self.work.settings;
         if !settings.calibration.correct || !self.made.recording.is_calibrated() {
             return Ok(());
         }
-        let seen = inspect(&self.made.recording, settings, self.work.cancel, &mut |_| {});
+        let mut tell = |share| {
+            observer.progress(Progress {
+                step: Step::Calibrate,
+                fraction: MASKS + (1.0 - MASKS) * share,
+            });
+        };
+        let seen = inspect(&self.made.recording, settings, self.work.cancel, &mut tell);
         let seen = seen.map_err(|error| error.fault())?;
         if let Some(calibration) = seen.correction(&self.made.recording) {
             self.calibrate(calibration, "the correction of CAMERA_OFF");
@@ -198,7 +218,14 @@ impl Preparing<'_> {
         match calibration.apply(&mut self.made.recording) {
             Ok(()) => {
                 self.made.recording.sources.take("pose", None, from, &calibration.source);
-                self.made.calibration = Some(calibration);
+                let is_moved = ["correction", "ground"].contains(&calibration.source.as_str());
+                // What moves a measured calibration leaves its lenses and errors.
+                self.made.calibration = Some(match self.made.calibration.take() {
+                    Some(measured) if is_moved && is_alike(&measured, &calibration) => {
+                        ground::with_poses(measured, &calibration)
+                    }
+                    _ => calibration,
+                });
             }
             Err(error) => self.fault(&error),
         }
@@ -207,6 +234,12 @@ impl Preparing<'_> {
     fn fault(&mut self, error: &impl Problem) {
         self.made.findings.push(error_of(&error.fault()));
     }
+}
+
+/// True if two calibrations are of the same cameras in the same order.
+fn is_alike(a: &Calibration, b: &Calibration) -> bool {
+    let names = |of: &Calibration| of.cameras.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    names(a) == names(b)
 }
 
 /// The outcome of a step, unless it was asked to stop.

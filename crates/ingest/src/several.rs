@@ -1,7 +1,7 @@
 //! Several recordings of one object, one after another. The report is that of the reference with
 //! the findings of all.
 
-use bendtwin_capture::{Opened, Part, raw::Supplements, several::join};
+use bendtwin_capture::{Opened, Part, several::join};
 use bendtwin_core::{
     Category, Fault, Observer, ObserverError, Problem as _, Sequence, settings::ingest::Stage,
 };
@@ -59,8 +59,8 @@ fn refused(work: &Work<'_>) -> Option<Fault> {
     let settings = work.settings;
     let what = if !settings.strokes.is_empty() || settings.until == Stage::Masks {
         "strokes are"
-    } else if work.input.supplements != Supplements::default() {
-        "what was added to the capture is"
+    } else if work.input.supplements.masks.is_some() {
+        "the masks that were added are"
     } else {
         return None;
     };
@@ -69,7 +69,8 @@ fn refused(work: &Work<'_>) -> Option<Fault> {
         reason: "SEVERAL_RECORDINGS".to_owned(),
         message: format!(
             "{what} for one recording, and this capture has several: send each recording as a capture to \
-             mark it, download its masks, put them into its folder, and send the recordings together again"
+             mark it, download its masks, put them into its folder, and send the recordings together again; or remove \
+             what was added (`bendtwin capture remove`)"
         ),
     })
 }

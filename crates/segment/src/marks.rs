@@ -1,7 +1,7 @@
 //! Strokes as pixels of views: which pixels were marked, in which frame and camera, and what could not
 //! be used.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_capture::raw::Recording;
 use bendtwin_core::{Finding, settings::ingest::Stroke};
@@ -78,14 +78,14 @@ fn outside(message: String) -> Finding {
     Finding { advice, ..Finding::warning("STROKE_OUTSIDE", message) }
 }
 
-/// Pixels along a stroke.
+/// Pixels along a stroke, each once: a long one that goes to and fro has no more of them than its image.
 fn middles(lens: &Lens<'_>, stroke: &Stroke) -> Vec<usize> {
-    let mut pixels = Vec::new();
+    let mut pixels = BTreeSet::new();
     let mut visit = |[x, y]: [f64; 2]| {
         let inside = |v: f64, size: usize| v.is_finite() && v >= -0.5 && v < size as f64 - 0.5;
         if inside(x, lens.camera.width) && inside(y, lens.camera.height) {
             let [column, row] = [x, y].map(|v| v.round().max(0.0) as usize / lens.stride);
-            pixels.push(row * lens.width + column);
+            pixels.insert(row * lens.width + column);
         }
     };
     let step = stroke.radius_px.max(1.0);
@@ -103,8 +103,7 @@ fn middles(lens: &Lens<'_>, stroke: &Stroke) -> Vec<usize> {
         }
         visit(*point);
     }
-    pixels.dedup();
-    pixels
+    pixels.into_iter().collect()
 }
 
 impl Mark {

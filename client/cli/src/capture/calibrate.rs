@@ -217,14 +217,7 @@ fn level(
         ));
     };
     let level = ground::level(&calibrated, &found, false);
-    let pose = |camera: &raw::CalibratedCamera| {
-        level.cameras.iter().find(|other| other.name == camera.name).and_then(|other| other.pose)
-    };
-    let mut calibration = calibration;
-    for camera in &mut calibration.cameras {
-        camera.pose = pose(camera);
-    }
-    calibration.ground = level.ground;
+    let calibration = ground::with_poses(calibration, &level);
     let message =
         format!("the ground is a plane with {:.0} % of what the cameras see", 100.0 * found.share);
     outcome.findings.push(Finding::info("GROUND_DETECTED", message));

@@ -41,7 +41,7 @@ pub(crate) fn pose(
         (finite && facing && pose.translation.z > 0.0 && rms.is_finite()).then_some((pose, rms))
     };
     let first = refined(start);
-    let other = refined(tilted(&first.map_or(start, |(pose, _)| pose))?);
+    let other = tilted(&first.map_or(start, |(pose, _)| pose)).and_then(refined);
     first.into_iter().chain(other).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 

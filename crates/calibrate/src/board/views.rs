@@ -53,13 +53,13 @@ impl Views {
             readers.push(usable.source.frames(camera)?);
         }
         let mut views = Self::default();
-        for most in [FRAMES, MORE_FRAMES] {
+        for (most, from, to) in [(FRAMES, 0.0, 0.25), (MORE_FRAMES, 0.25, 1.0)] {
             let frames = spread(recording.frame_count, most);
             let new: Vec<usize> =
                 frames.into_iter().filter(|frame| !views.frames.contains(frame)).collect();
             for (done, frame) in new.iter().enumerate() {
                 check(cancel)?;
-                observer(done as f64 / new.len() as f64);
+                observer(from + (to - from) * done as f64 / new.len() as f64);
                 let sightings: Result<Vec<Sighting>, Error> = readers
                     .par_iter_mut()
                     .map(|reader| sighting(reader.as_mut(), *frame, board))

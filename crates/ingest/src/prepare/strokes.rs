@@ -1,15 +1,12 @@
-//! Masks of strokes: made here, or those of an earlier ingest with the same strokes and calibration.
+//! Masks of strokes: made here, or those of an earlier ingest with the same strokes and cameras.
 
 use std::{path::Path, sync::Arc};
 
 use bendtwin_capture::{
     self as capture, Limits,
-    raw::{MaskSet, Recording},
+    raw::{Calibration, MaskSet, Recording},
 };
-use bendtwin_core::{
-    Fault, Finding,
-    settings::ingest::{CalibrationSettings, Stroke},
-};
+use bendtwin_core::{Fault, Finding, settings::ingest::Stroke};
 use bendtwin_segment::segment;
 use serde::{Deserialize, Serialize};
 
@@ -36,8 +33,9 @@ pub struct StrokeMasks {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Following {
     strokes: Vec<Stroke>,
+    /// Lenses and poses of the cameras with which they were carried.
     #[serde(default)]
-    calibration: CalibrationSettings,
+    world: String,
     cameras: Vec<Doubt>,
     /// Remarks about the masks.
     #[serde(default)]
@@ -60,12 +58,12 @@ impl StrokeMasks {
         self.set.write_zip(path, &[(DOCUMENT, document)])
     }
 
-    /// The masks in such an archive, if they were made of the same strokes with the same calibration.
+    /// The masks in such an archive, if they were made of the same strokes with the same cameras.
     fn read(path: &Path, work: &Work<'_>, recording: &Recording) -> Option<Self> {
         let following: Following = serde_json::from_slice(&document(path, work.limits)?).ok()?;
         let settings = work.settings;
         let is_same = following.strokes == settings.strokes
-            && following.calibration == settings.calibration
+            && following.world == world(recording)
             && following.cameras.len() == recording.cameras.len()
             && following.cameras.iter().all(|c| c.doubt.len() == recording.frame_count);
         if !is_same {
@@ -76,6 +74,11 @@ impl StrokeMasks {
         let doubt = following.cameras.iter().map(|camera| camera.doubt.clone()).collect();
         Some(Self { set, doubt, following })
     }
+}
+
+/// The cameras of a recording, as text.
+fn world(recording: &Recording) -> String {
+    Calibration::of(recording, "strokes").to_json()
 }
 
 /// The document in an archive of masks.
@@ -105,14 +108,14 @@ pub(super) fn masks(
             let cameras = made.doubt.iter().map(|doubt| Doubt { doubt: doubt.clone() });
             let following = Following {
                 strokes: settings.strokes.clone(),
-                calibration: settings.calibration.clone(),
+                world: world(recording),
                 cameras: cameras.collect(),
                 findings: made.findings,
             };
             Ok(Some(StrokeMasks { set: Arc::new(made.masks), doubt: made.doubt, following }))
         }
         Err(fault) => {
-            findings.push(error_of(&fault));
+            findings.push(error_of(&fault).explains("MASKS_MISSING"));
             Ok(None)
         }
     }

@@ -28,7 +28,11 @@ fn uncalibrated(context: &Context<'_>) -> Option<Finding> {
         (0..cameras.len()).filter(|&index| cameras[index].poses.is_empty()).collect();
     let message = match without.as_slice() {
         [] => return None,
-        all if all.len() == cameras.len() => "the recording has no poses of its cameras".to_owned(),
+        // It is no fault of single cameras.
+        all if all.len() == cameras.len() => {
+            let message = "the recording has no poses of its cameras";
+            return Some(Finding::error(Code::NotCalibrated, message));
+        }
         [one] => format!("{} has no pose", named(context.recording, *one)),
         some => format!("{} of {} cameras have no pose", some.len(), cameras.len()),
     };
