@@ -7,6 +7,7 @@ import { actionButton, download, faultPlace } from '../pages/parts/actions';
 import { hasPoints, readAgain } from '../pages/parts/ingest';
 import { JobView, follow } from '../pages/parts/job';
 import { PlaybackFile } from '../playback/file/file';
+import { hasSeveralRecordings } from '../playback/file/head';
 import { h } from '../ui/dom';
 import { problemBox } from '../ui/problem';
 import { Tools } from './brushes';
@@ -14,7 +15,7 @@ import { Draft } from './drafts';
 import { commandOf, focusOf } from './keys';
 import { described } from './marking';
 import { StrokeList } from './stroke_list';
-import { MOST_STROKES, Strokes, readStrokes } from './strokes';
+import { MOST_STROKES, Strokes, readStrokes, type Stroke } from './strokes';
 import { Workspace } from './workspace';
 import '../play/play.css';
 import '../playback/playback.css';
@@ -108,6 +109,8 @@ class MasksPage {
       this.#workspace = null;
       if (sequence === undefined || sequence.cameras.length === 0) {
         this.#explain('This capture has no images to mark: its points were tracked already.');
+      } else if (hasSeveralRecordings(file.head)) {
+        this.#explain('This capture has several recordings: send each as a capture of its own to mark it.');
       } else {
         this.#workspace = new Workspace(file, sequence, this.#frame, {
           context,
@@ -123,11 +126,7 @@ class MasksPage {
         });
         this.#strokeList = new StrokeList(this.#strokes, this.#workspace.names, (stroke) => this.#workspace?.reveal(stroke));
         this.#tools.suit(Math.min(...sequence.cameras.map(({ size }) => size[0])));
-        const several = file.head.sequences.some(({ recording }) => recording !== sequence.recording);
-        this.#place.replaceChildren(
-          several ? h('p', { class: 'hint' }, 'This capture has several recordings; the first is shown.') : '',
-          this.#workspace.element,
-        );
+        this.#place.replaceChildren(this.#workspace.element);
         this.#workspace.zoom(this.#tools.factor);
         this.#list.replaceChildren(this.#strokeList.element);
       }
@@ -198,8 +197,8 @@ class MasksPage {
     this.#job.element.hidden = !isUnderWay && sent.length === 0;
     const hasMasks = this.#workspace?.hasMasks ?? false;
     const canUse = isHere && !isUnderWay && isRead && hasMasks && !isNew && sent.length > 0 && !hasPoints(capture);
-    const run = (until: 'masks' | 'points') => async (): Promise<void> => {
-      const next = await readAgain(context, this.capture, { until, strokes: this.#strokes.all });
+    const run = (until: 'masks' | 'points', strokes?: readonly Stroke[]) => async (): Promise<void> => {
+      const next = await readAgain(context, this.capture, { until, strokes: strokes ?? this.#strokes.all });
       this.#draft.forget();
       if (until === 'points') return context.navigate(`#/captures/${id}`);
       this.#update(next);
@@ -214,6 +213,9 @@ class MasksPage {
     const buttons = [
       ...(isHere && !isUnderWay ? [followButton] : []),
       ...(canUse ? [actionButton(context, 'Use these masks', this.#faults, run('points'), 'primary')] : []),
+      ...(sent.length > 0 && !isUnderWay
+        ? [actionButton(context, 'Use the recorded masks', this.#faults, run('points', []))]
+        : []),
       ...(isUnderWay ? [actionButton(context, 'Stop', this.#faults, cancel)] : []),
       ...(capture.masks ? [download(context, 'Download masks', `${path}/masks`, `${id}-masks.zip`, this.#faults)] : []),
     ];

@@ -43,14 +43,24 @@ export const open: OpenPage = async (context) => {
   const index = Number.isInteger(asked) && asked in file.head.sequences ? asked : 0;
   const sequence = file.head.sequences[index];
   if (sequence === undefined) return { element: h('p', {}, 'This capture has no sequence to play.') };
+  if (sequence.motion.point_count === 0) return { element: withoutPoints(id) };
   const page = await PlaybackPage.load({ context, id, name: title, file, index, sequence });
   return { element: page.element, dispose: () => page.dispose() };
 };
 
 /** Replacement for a missing playback. */
 function missing(id: string, error: Problem): HTMLElement {
-  const link = h('a', { class: 'button', href: `#/captures/${id}` }, 'To the capture');
-  return h('div', {}, problemBox(error), h('p', {}, link));
+  return h('div', {}, problemBox(error), h('p', {}, toCapture(id)));
+}
+
+/** Replacement for points that are not there: of a recording that was refused, or read up to masks alone. */
+function withoutPoints(id: string): HTMLElement {
+  const text = 'This capture has no points to play: its page says what the last reading came to, and shows its images.';
+  return h('div', { class: 'empty' }, h('p', {}, text), toCapture(id));
+}
+
+function toCapture(id: string): HTMLElement {
+  return h('a', { class: 'button', href: `#/captures/${id}` }, 'To the capture');
 }
 
 /** A sequence that is to be played. */

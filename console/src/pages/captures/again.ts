@@ -3,7 +3,7 @@ import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { problemBox } from '../../ui/problem';
-import { keptSettings } from '../parts/ingest';
+import { changed, keptSettings } from '../parts/ingest';
 import { readSettings } from '../parts/settings';
 
 /** A form that has a capture read again, with other settings. */
@@ -25,7 +25,7 @@ export function ingestAgain(
     button.disabled = true;
     fault.replaceChildren();
     try {
-      const body = { settings: { ...keptSettings(latest()), ...read.value } };
+      const body = { settings: changed(keptSettings(latest()), read.value) };
       onStart(await context.api.send<Capture>('POST', `${path}/ingest`, body, context.signal));
       details.open = false;
     } catch (error) {

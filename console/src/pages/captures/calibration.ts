@@ -28,26 +28,33 @@ export class CalibrationCard {
   readonly element = h('details', { class: 'card', hidden: true });
   readonly #faults = faultPlace();
   #first: HTMLElement | null = null;
+  /** What is shown, as text. */
+  #shown = '';
 
   constructor(
     private readonly context: PageContext,
+    private readonly latest: () => Capture,
     /** Called with the capture once it is read again. */
     private readonly onStart: (capture: Capture) => void,
   ) {}
 
-  /** Shows the calibration of a capture, which is open if it lacks. */
-  show(capture: Capture, calibration: Calibration | null, isMissing: boolean): void {
-    this.#faults.replaceChildren();
+  /** Shows the calibration of the capture, which is open if it lacks. What was typed stays unless it has changed. */
+  show(calibration: Calibration | null, isMissing: boolean): void {
     this.element.hidden = false;
+    const use = inUse(this.latest());
+    const shown = JSON.stringify([use, calibration, isMissing]);
+    if (shown === this.#shown) return;
+    this.#shown = shown;
+    this.#faults.replaceChildren();
     this.element.open = isMissing;
     this.element.replaceChildren(
       h('summary', {}, 'Calibration'),
-      ...nodes(this.#uses(capture, calibration)),
+      ...nodes(this.#uses(use, calibration)),
       h('h3', {}, 'Calibrate with a board'),
       h('p', {},
         'All cameras see the board at rest in the recording. It gives their poses; z = 0 lies on the board. See ',
         guideLink('calibration', 'how to print and record one'), '.'),
-      this.#form(capture, inUse(capture).board ?? null),
+      this.#form(use.board ?? null),
       this.#faults,
     );
   }
@@ -58,15 +65,18 @@ export class CalibrationCard {
     this.#first?.focus();
   }
 
-  /** A button that reads a capture again with other settings of the calibration. */
-  button(capture: Capture, text: string, change: InUse, className: string | null = null): HTMLElement {
-    const act = async (): Promise<void> => this.onStart(await readAgain(this.context, capture, { calibration: change }));
+  /** A button that reads the capture again with other settings of the calibration. */
+  button(text: string, change: InUse, className: string | null = null): HTMLElement {
+    const act = (): Promise<void> => this.#read(change);
     const faults = faultPlace();
     return h('div', {}, actionButton(this.context, text, faults, act, className), faults);
   }
 
-  #uses(capture: Capture, calibration: Calibration | null): Child[] {
-    const { board, correct, ground } = inUse(capture);
+  async #read(change: InUse): Promise<void> {
+    this.onStart(await readAgain(this.context, this.latest(), { calibration: change }));
+  }
+
+  #uses({ board, correct, ground }: InUse, calibration: Calibration | null): Child[] {
     const used: [string, string, InUse][] = [];
     if (board) used.push(['A board measures the poses.', 'Use the recorded calibration', { board: null }]);
     if (correct === true) used.push(['A camera is moved by the correction of the report.', 'Undo the correction', { correct: false }]);
@@ -75,12 +85,12 @@ export class CalibrationCard {
       return [name, px === null || px === undefined ? '–' : `${px.toFixed(2)} px`] as const;
     });
     return [
-      ...used.map(([text, word, change]) => h('div', { class: 'row' }, text, this.button(capture, word, change))),
+      ...used.map(([text, word, change]) => h('div', { class: 'row' }, text, this.button(word, change))),
       errors.some(([, px]) => px !== '–') && [h('h3', {}, 'Reprojection error'), facts(errors)],
     ];
   }
 
-  #form(capture: Capture, board: Board | null): HTMLElement {
+  #form(board: Board | null): HTMLElement {
     const initial = formOf(board);
     const patterns = Object.entries(PATTERNS).map(([value, { label }]) =>
       h('option', { value, selected: value === initial.pattern }, label));
@@ -132,7 +142,7 @@ export class CalibrationCard {
       submit.disabled = true;
       this.#faults.replaceChildren();
       try {
-        this.onStart(await readAgain(this.context, capture, { calibration: { board: read.board } }));
+        await this.#read({ board: read.board });
       } catch (error) {
         if (!this.context.signal.aborted) this.#faults.replaceChildren(problemBox(error));
       }

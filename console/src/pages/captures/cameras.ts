@@ -3,14 +3,17 @@ import type { Capture } from '../../api/types';
 import type { PageContext } from '../../page';
 import { Images } from '../../playback/camera/images';
 import { PlaybackFile } from '../../playback/file/file';
-import type { CameraHead } from '../../playback/file/head';
+import { hasSeveralRecordings, type CameraHead } from '../../playback/file/head';
 import { h } from '../../ui/dom';
 import { hasPoints } from '../parts/ingest';
 
 /** What the first images of a capture's cameras show: at most as many as this. */
 const MOST = 12;
 
-/** The first image of each camera, also of a recording that was refused, and the way to its masks; empty without images. */
+/**
+ * The first image of each camera, also of a recording that was refused, and the way to its masks unless
+ * there are several; empty without images.
+ */
 export async function cameraImages(context: PageContext, id: string, capture: Capture): Promise<HTMLElement | null> {
   let file: PlaybackFile;
   try {
@@ -25,8 +28,9 @@ export async function cameraImages(context: PageContext, id: string, capture: Ca
   const link = hasMasks
     ? h('a', { class: 'button', href: `#/captures/${id}/masks` }, 'Look at the masks')
     : h('a', { class: 'button primary', href: `#/captures/${id}/masks` }, 'Mark the object and the hand');
+  const way = hasSeveralRecordings(file.head) ? null : h('p', {}, link);
   const figures = cameras.slice(0, MOST).map((camera) => figureOf(context, camera, file));
-  return h('section', {}, h('h2', {}, 'First images'), h('div', { class: 'first-images' }, ...figures), h('p', {}, link));
+  return h('section', {}, h('h2', {}, 'First images'), h('div', { class: 'first-images' }, ...figures), way);
 }
 
 function figureOf({ signal }: PageContext, camera: CameraHead, file: PlaybackFile): HTMLElement {

@@ -54,7 +54,7 @@ class CapturePage {
       this.update(changed);
       void this.follow();
     };
-    this.#calibration = new CalibrationCard(context, started);
+    this.#calibration = new CalibrationCard(context, () => this.capture, started);
     this.#supplements = new Supplements(context, id, (changed) => this.update(changed), started);
     this.element = h(
       'div',
@@ -152,10 +152,10 @@ class CapturePage {
       return h('p', {}, h('button', { type: 'button', onclick: () => this.#calibration.focus() }, 'Calibrate with a board'));
     }
     if (finding.code === 'CAMERA_OFF' && inUse(this.capture).correct !== true) {
-      return this.#calibration.button(this.capture, 'Apply the correction', { correct: true });
+      return this.#calibration.button('Apply the correction', { correct: true });
     }
     if (finding.code === 'GROUND_OFFERED' && inUse(this.capture).ground !== 'detected') {
-      return this.#calibration.button(this.capture, 'Use the detected ground', { ground: 'detected' });
+      return this.#calibration.button('Use the detected ground', { ground: 'detected' });
     }
     return null;
   }
@@ -173,7 +173,7 @@ class CapturePage {
       const report = await context.api.json<Report>(`${path}/report`, { signal: context.signal });
       void this.showImages(report);
       const lacksPoses = report.findings.some(({ code }) => code === 'NOT_CALIBRATED');
-      if (report.kind === 'recording') this.#calibration.show(this.capture, report.calibration ?? null, lacksPoses);
+      if (report.kind === 'recording') this.#calibration.show(report.calibration ?? null, lacksPoses);
       // What could not be read may be a recording whose masks or calibration are to be replaced.
       else this.#supplements.element.hidden = hasPoints(this.capture);
       this.#report.replaceChildren(

@@ -29,7 +29,8 @@ const KINDS = [
     accept: '.json,application/json',
     file: 'calibration.json',
     section: 'calibration',
-    change: {} as Settings,
+    // A board would go before it.
+    change: { calibration: { board: null } } as Settings,
   },
 ] as const;
 

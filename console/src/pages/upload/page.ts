@@ -48,7 +48,7 @@ function dropZone({ api }: PageContext): HTMLElement {
       'p',
       {},
       h('strong', {}, 'Drop recordings here'),
-      ', or anywhere on any page: folders, .zip, .tar, .tar.gz and .mcap, also several together.',
+      ', or anywhere on any page: folders, .zip, .tar, .tar.gz, .mcap, and markers as .c3d, .csv or .trc, also several together.',
     ),
     h(
       'p',

@@ -106,6 +106,31 @@ describe('the files of a folder that are sent', () => {
     ]);
   });
 
+  test('have the calibration and the grippers beside a bundle or nerfstudio, with the arrays that these name', async () => {
+    const grippers = JSON.stringify({ grippers: [{ poses: './robot/poses.NPY', widths: 'widths.npy' }] });
+    const beside = ['calibration.json', 'grippers.json', 'robot/poses.NPY', 'widths.npy'];
+    const nerfstudio = { 'transforms.json': '{"frames": [{"file_path": "a.png"}]}', 'grippers.json': grippers };
+    const all = ['a.png', 'b.png', 'notes.json', 'other/x.npy', 'transforms.json', ...beside];
+    const read = ['a.png', 'transforms.json', ...beside].sort();
+    expect(sent(await packagesOf('n', files(all, nerfstudio)))).toEqual([['n', read]]);
+    const bundle = { 'capture.json': '{"raw": {"cameras": [{"color": "{frame}.png"}]}}', 'grippers.json': grippers };
+    expect(sent(await packagesOf('b', files(['1.png', 'capture.json', 'notes.json', ...beside], bundle)))).toEqual([
+      ['b', ['1.png', 'calibration.json', 'capture.json', 'grippers.json', 'robot/poses.NPY', 'widths.npy']],
+    ]);
+    const damaged = files(['b.png', 'grippers.json', 'transforms.json'], { ...nerfstudio, 'grippers.json': '{' });
+    expect(sent(await packagesOf('n', damaged))).toEqual([['n', ['b.png', 'grippers.json', 'transforms.json']]]);
+  });
+
+  test('have the calibration beside MCAP files, of one recording or of several', async () => {
+    const split = ['bag_0.mcap', 'bag_1.mcap', 'calibration.json', 'metadata.yaml'];
+    expect(sent(await packagesOf('run', files(split)))).toEqual([['run', split]]);
+    expect(sent(await packagesOf('day', files(['r/a.mcap', 'r/b.mcap.zst', 'r/calibration.json', 'c.mcap'])))).toEqual([
+      ['c', ['c.mcap']],
+      ['a', ['calibration.json', 'a.mcap']],
+      ['b', ['calibration.json', 'b.mcap.zst']],
+    ]);
+  });
+
   test('are all of them where a document is damaged or nothing is recognised', async () => {
     const damaged = await packagesOf('b', files(['capture.json', 'a.png'], { 'capture.json': '{' }));
     expect(sent(damaged)).toEqual([['b', ['a.png', 'capture.json']]]);
@@ -132,5 +157,6 @@ describe('the files of a folder that are sent', () => {
 });
 
 test('names of captures are those of their files without the format', () => {
-  expect(['toy.v2.tar.gz', 'rope.ZIP', 'a.mcap', '.zip'].map(nameOf)).toEqual(['toy.v2', 'rope', 'a', '.zip']);
+  const names = ['toy.v2.tar.gz', 'rope.ZIP', 'a.mcap', 'take.C3D', 'take 2.csv', 'b.trc', '.zip'];
+  expect(names.map(nameOf)).toEqual(['toy.v2', 'rope', 'a', 'take', 'take 2', 'b', '.zip']);
 });

@@ -19,8 +19,11 @@ export type Package =
 
 /** Files that are a capture each, by their names. */
 const ARCHIVE = /\.(zip|tar|tgz|tar\.gz|mcap|mcap\.zstd?)$/i;
+/** Files of markers of motion capture, which are a capture each if they are given by themselves. */
+const MARKERS = /\.(c3d|csv|trc)$/i;
+const MCAP = /\.mcap(\.zstd?)?$/i;
 /** Files of a recording that `ros2 bag record` split, beside the `metadata.yaml` that lists them. */
-const SPLIT = /^(metadata\.yaml|[^/]*\.mcap(\.zstd?)?)$/i;
+const SPLIT = /^(metadata\.yaml|calibration\.json|[^/]*\.mcap(\.zstd?)?)$/i;
 /** Files of kinds that captures have, or that people take for captures. */
 const OF_CAPTURES = /\.(json|pkl|npy|npz|png|jpe?g|csv|c3d|tsv|trc|mp4|avi|mkv|mov|bag|db3|glb|ply|obj|txt\.gz|exr|tiff?)$/i;
 /** Documents that are larger are not looked into [bytes]. */
@@ -28,7 +31,7 @@ const DOCUMENT_BYTES = 64 * 2 ** 20;
 
 /** A person's name for a capture, from the name of its file. */
 export function nameOf(fileName: string): string {
-  return asName(fileName.replace(ARCHIVE, '') || fileName);
+  return asName(fileName.replace(ARCHIVE, '').replace(MARKERS, '') || fileName);
 }
 
 /** A text as a name that the server takes: without control characters, of 200 characters at most. */
@@ -55,9 +58,19 @@ export async function packagesOf(root: string, given: readonly FolderFile[]): Pr
     packages.push({ kind: 'folder', name, files: read, left: own.length - read.length, note: noteOf(own) });
   }
   const single = captures.outside.filter(({ path }) => ARCHIVE.test(path));
-  packages.push(...single.map(({ file }): Package => ({ kind: 'file', name: nameOf(file.name), file })));
+  packages.push(...single.map((one) => packageOfOne(one, captures.outside)));
   if (packages.length > 0 || !files.some(({ path }) => OF_CAPTURES.test(path))) return packages;
   return [{ kind: 'folder', name: asName(root), files, left: 0, note: null }];
+}
+
+/** A file that is a capture; an MCAP file with the calibration beside it, if there is one among `all`. */
+function packageOfOne({ path, file }: FolderFile, all: readonly FolderFile[]): Package {
+  const name = nameOf(file.name);
+  const folder = path.slice(0, path.lastIndexOf('/') + 1);
+  const calibration = MCAP.test(path) && all.find((other) => other.path === `${folder}calibration.json`);
+  if (!calibration) return { kind: 'file', name, file };
+  const files = [calibration, { path, file }].map((own) => ({ ...own, path: own.path.slice(folder.length) }));
+  return { kind: 'folder', name, files, left: 0, note: null };
 }
 
 /** A folder may have a recording twice: as tracked points, which are read, and as the images that they were made of. */
@@ -114,14 +127,19 @@ function captureFolders(paths: readonly string[]): string[] {
 async function filesRead(files: readonly FolderFile[]): Promise<FolderFile[]> {
   const has = (name: string): boolean => files.some(({ path }) => path === name);
   if (has('recordings.json')) return severalRead(files);
-  if (has('capture.json')) return named(files, 'capture.json', /^capture\.json$|\.npy$/i);
+  if (has('capture.json')) return named(files, ['capture.json', GRIPPERS], BUNDLE);
   if (has('final_data.pkl')) return matching(files, PROCESSED_CASE);
   if (has('metadata.json')) return matching(files, RAW_CASE).filter(({ path }) => !BESIDE_RAW_CASE.test(path));
   if (has('metadata.yaml')) return matching(files, SPLIT);
-  if (has('transforms.json')) return named(files, 'transforms.json', /^transforms\.json$/);
+  if (has('transforms.json')) return named(files, ['transforms.json', GRIPPERS], NERFSTUDIO);
   return [...files];
 }
 
+/** Document of a robot's grippers, which may name arrays. */
+const GRIPPERS = 'grippers.json';
+/** Files that are read whether or not a document names them. */
+const BUNDLE = /^(capture|calibration|grippers)\.json$|\.npy$/i;
+const NERFSTUDIO = /^(transforms|calibration|grippers)\.json$/;
 const PROCESSED_CASE = /^(final_data\.pkl|metadata\.json|split\.json|gt_track_3d\.pkl)$/;
 /**
  * Kinds of files that the readers of raw cases read: masks and calibrations have many forms and places, and the
@@ -150,12 +168,18 @@ async function severalRead(files: readonly FolderFile[]): Promise<FolderFile[]> 
   return read;
 }
 
-/** Files of a pattern, and those that a document names, literally or by `{frame}` or `{frame:06}`. */
-async function named(files: readonly FolderFile[], document: string, always: RegExp): Promise<FolderFile[]> {
-  const file = files.find(({ path }) => path === document)?.file;
-  const texts = file === undefined || file.size > DOCUMENT_BYTES ? null : textsOf(await file.text());
-  // The server says what is wrong with it.
-  if (texts === null) return [...files];
+/**
+ * Files of a pattern, and those that documents name, literally or by `{frame}` or `{frame:06}`. Of the documents those
+ * that are there count.
+ */
+async function named(files: readonly FolderFile[], documents: readonly string[], always: RegExp): Promise<FolderFile[]> {
+  const texts: string[] = [];
+  for (const { file } of files.filter(({ path }) => documents.includes(path))) {
+    const own = file.size > DOCUMENT_BYTES ? null : textsOf(await file.text());
+    // The server says what is wrong with it.
+    if (own === null) return [...files];
+    texts.push(...own);
+  }
   const names = new Set(texts);
   const patterns = texts.filter((text) => text.includes('{frame')).map(patternOf);
   return files.filter(({ path }) => always.test(path) || names.has(path) || patterns.some((p) => p.test(path)));

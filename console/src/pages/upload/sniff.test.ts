@@ -3,7 +3,8 @@ import { expect, test } from 'vitest';
 import { contentOf, refusal } from './sniff';
 import { tar } from './tar';
 
-function file(name: string, bytes: readonly number[]): File {
+function file(name: string, bytes: readonly number[] | string): File {
+  if (typeof bytes === 'string') return new File([bytes], name);
   return new File([new Uint8Array(bytes)], name);
 }
 
@@ -27,4 +28,34 @@ test('files are recognised by their content, not by their names', async () => {
   expect(found.map((content) => refusal('x', content) === null)).toEqual(
     found.map((c) => c === 'capture' || c === 'twin'),
   );
+});
+
+test('markers of motion capture are captures', async () => {
+  const c3d = (block: number, processor: number): number[] => {
+    const bytes = [block, 0x50, ...Array<number>(2046).fill(0)];
+    bytes[512 * (block - 1) + 3] = processor;
+    return bytes;
+  };
+  const taken = [
+    file('take.csv', 'Format Version,1.23,Take Name,a'),
+    file('marked.csv', '\ufeffFormat Version,1.23'),
+    file('take.trc', 'PathFileType\t4\t(X/Y/Z)'),
+    file('take.c3d', c3d(2, 84)),
+    file('late.c3d', c3d(4, 86)),
+  ];
+  expect(await Promise.all(taken.map(contentOf))).toEqual(taken.map(() => 'capture'));
+  const refused = [
+    file('table.csv', 'x,y,z\n1,2,3'),
+    file('short.c3d', [2, 0x50]),
+    file('other.c3d', c3d(2, 83)),
+    // The parameters would lie in the header.
+    file('header.c3d', c3d(1, 84)),
+    file('picture.png', [0x89, 0x50, 0x4e, 0x47]),
+  ];
+  expect(await Promise.all(refused.map(contentOf))).toEqual(refused.map(() => 'other'));
+});
+
+test('a document alone is told where it belongs', () => {
+  expect(refusal('transforms.json', 'other')).toContain('drop the folder that it belongs to');
+  expect(refusal('a.txt', 'other')).toContain('send a folder');
 });

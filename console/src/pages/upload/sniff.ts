@@ -1,12 +1,16 @@
-/** Kind of a file, by its content; `motion` is motion capture, which has to be converted first. */
+/** Kind of a file, by its content; `motion` is motion capture as arrays, which has to be converted first. */
 export type Content = 'capture' | 'twin' | 'motion' | 'other';
+
+/** Bytes by which a file is recognised, as by the server. */
+const LOOKED_AT = 2048;
 
 /** Reads the first bytes of a file. */
 export async function contentOf(file: File): Promise<Content> {
   if (/\.npz$/i.test(file.name)) return 'motion';
-  const bytes = new Uint8Array(await file.slice(0, 512).arrayBuffer());
+  const bytes = new Uint8Array(await file.slice(0, LOOKED_AT).arrayBuffer());
   if (isTwin(bytes, file.size)) return 'twin';
-  return MARKS.some(([at, mark]) => mark.every((byte, index) => bytes[at + index] === byte)) ? 'capture' : 'other';
+  const isArchive = MARKS.some(([at, mark]) => mark.every((byte, index) => bytes[at + index] === byte));
+  return isArchive || isMarkers(bytes) ? 'capture' : 'other';
 }
 
 /** ZIP, gzip, tar, MCAP and Zstandard: where their mark lies, and its bytes. */
@@ -17,6 +21,17 @@ const MARKS: readonly (readonly [number, readonly number[]])[] = [
   [0, [0x89, 0x4d, 0x43, 0x41, 0x50]],
   [0, [0x28, 0xb5, 0x2f, 0xfd]],
 ];
+
+/** Markers of motion capture: the CSV of OptiTrack's Motive, TRC, or C3D. */
+function isMarkers(bytes: Uint8Array<ArrayBuffer>): boolean {
+  // The decoder takes a byte order mark away.
+  const text = new TextDecoder().decode(bytes);
+  if (text.startsWith('Format Version,') || text.startsWith('PathFileType')) return true;
+  // C3D begins with the number of the block of its parameters, whose fourth byte is that of a processor.
+  const [block = 0, key] = bytes;
+  const processor = bytes[512 * (block - 1) + 3] ?? 0;
+  return key === 0x50 && block >= 2 && processor >= 84 && processor <= 86;
+}
 
 /** A twin is a safetensors file: the length of its JSON header, then the header. */
 function isTwin(bytes: Uint8Array<ArrayBuffer>, size: number): boolean {
@@ -31,7 +46,12 @@ export function refusal(name: string, content: Content): string | null {
     return `${name} is motion capture, which the command bendtwin capture push converts and sends.`;
   }
   if (content === 'other') {
-    const taken = 'a folder, an archive (.zip, .tar, .tar.gz), an .mcap file, or a twin file';
+    if (/\.json$/i.test(name)) {
+      const added = "or, if it is a calibration.json, add it on the capture's page";
+      return `${name} alone is not a capture: drop the folder that it belongs to, ${added}.`;
+    }
+    const taken =
+      'a folder, an archive (.zip, .tar, .tar.gz), an .mcap file, markers (.c3d, .csv of OptiTrack, .trc), or a twin file';
     return `${name} is not a capture: send ${taken}.`;
   }
   return null;

@@ -58,6 +58,11 @@ export interface Head {
   readonly left_out: number;
 }
 
+/** True if the capture has several recordings, which cannot be marked together. */
+export function hasSeveralRecordings({ sequences }: Head): boolean {
+  return sequences.some(({ recording }) => recording !== sequences[0]?.recording);
+}
+
 /** Bytes before the head. */
 export const PREFIX = 16;
 const MAGIC = 'BENDPLAY';

@@ -138,6 +138,7 @@ pub(super) fn recording(number: usize) -> (String, Recording) {
         mesh: None,
         truth_tracks: Vec::new(),
         mass_kg: None,
+        grippers: Vec::new(),
         notes: Vec::new(),
         sources: Sources::default(),
         source: Arc::new(stage),
@@ -176,6 +177,7 @@ fn place(number: usize, camera: usize, count: usize) -> Camera {
             translation: eye,
         }],
         times_s: Vec::new(),
+        fps: None,
     }
 }
 
