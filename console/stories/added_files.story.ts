@@ -53,7 +53,7 @@ describe('files that are added to a recording', () => {
     await page.getByText('Add masks or a calibration').click();
     const file = { name: 'calibration.json', mimeType: 'application/json', buffer: Buffer.from('{"format":"other"}') };
     await page.getByLabel('Calibration', { exact: true }).setInputFiles(file);
-    await page.getByText(/bendtwin capture calibrate/).first().waitFor();
+    await page.getByRole('alert').filter({ hasText: 'bendtwin capture calibrate' }).first().waitFor();
     expect(await page.getByText('It takes effect when the recording is read again').count()).toBe(0);
     expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(360);
     await visit.stop('capture-wrong-calibration');

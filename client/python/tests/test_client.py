@@ -55,6 +55,18 @@ def test_motion_capture_is_packed_with_its_description(client, fake, tmp_path):
         assert archive.read("DLO4.npz") == b"arrays"
 
 
+@pytest.mark.parametrize("name", ["take.csv", "take.C3D", "take.trc"])
+def test_markers_are_packed_with_a_description_beside_them(client, fake, tmp_path, name):
+    (tmp_path / name).write_bytes(b"markers")
+    client.upload_capture(tmp_path / name)
+    assert fake.uploaded == b"markers"
+    (tmp_path / "take.json").write_text('{"units": "mm"}')
+    assert client.upload_capture(tmp_path / name).display_name == "take"
+    with zipfile.ZipFile(BytesIO(fake.uploaded)) as archive:
+        assert archive.namelist() == ["take.json", name]
+        assert archive.read(name) == b"markers"
+
+
 def test_lists_follow_pages(client):
     names = [c.name for c in client.captures()]
     assert names == [f"captures/{page}-{i}" for page in range(3) for i in range(2)]

@@ -284,4 +284,4 @@ def test_files_are_added_later_and_survive_the_death_of_the_server(server, archi
         assert [s.kind for s in client.capture(capture).supplements] == ["calibration"]
         with pytest.raises(BendTwinError) as missing:
             client.download_masks(capture, tmp_path / "none.zip")
-        assert missing.value.reason == "MASKS_MISSING"
+        assert missing.value.reason == "CAPTURE_HAS_NO_MASKS"

@@ -162,10 +162,10 @@ class CapturePage {
 
   private async showReport(): Promise<void> {
     const { context, id, path } = this;
-    this.#calibration.element.hidden = true;
     this.#supplements.element.hidden = false;
     this.#supplements.show(this.capture);
     if (!this.capture.verdict) {
+      this.#calibration.element.hidden = true;
       this.#images.replaceChildren();
       return this.#report.replaceChildren();
     }
@@ -174,8 +174,11 @@ class CapturePage {
       void this.showImages(report);
       const lacksPoses = report.findings.some(({ code }) => code === 'NOT_CALIBRATED');
       if (report.kind === 'recording') this.#calibration.show(report.calibration ?? null, lacksPoses);
-      // What could not be read may be a recording whose masks or calibration are to be replaced.
-      else this.#supplements.element.hidden = hasPoints(this.capture);
+      else {
+        this.#calibration.element.hidden = true;
+        // What could not be read may be a recording whose masks or calibration are to be replaced.
+        this.#supplements.element.hidden = hasPoints(this.capture);
+      }
       this.#report.replaceChildren(
         findingsView(report, (finding) => this.remedy(finding)),
         factsView(report),

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { Api } from '../../api/client';
 import { PlaybackFile } from './file';
-import { readHead } from './head';
+import { hasSeveralRecordings, readHead } from './head';
 import { camera, fileOf, int16, sequence } from '../testing';
 import { Motion } from './motion';
 
@@ -25,6 +25,12 @@ const DATA = new Uint8Array([
 ]);
 
 describe('a playback', () => {
+  it('of several recordings is known by their numbers', () => {
+    const of = (...recordings: number[]): boolean =>
+      hasSeveralRecordings({ name: 'toy', left_out: 0, sequences: recordings.map((recording) => sequence({ recording })) });
+    expect([of(), of(0), of(0, 0), of(0, 1)]).toEqual([false, false, false, true]);
+  });
+
   it('is read by ranges, and its points are where they were', async () => {
     const server = serverOf(fileOf({ sequences: [sequence()], left_out: 0, name: 'toy' }, DATA));
     const file = await PlaybackFile.open(server.api, 'id', new AbortController().signal);

@@ -86,8 +86,8 @@ class Client:
     ) -> Capture:
         """Uploads a capture: an archive, or a folder that is packed first.
 
-        Motion capture (`.npz`) is packed with the `.json` beside it. The same content with the same
-        `request_id` returns the existing capture. `facts` are those of
+        Motion capture (`.npz`, `.c3d`, `.csv`, `.trc`) is packed with the `.json` beside it. The
+        same content with the same `request_id` returns the existing capture. `facts` are those of
         `CaptureArguments`: `display_name`, `request_id`, `ingest`, `ingest_requirements`,
         `recorded_by`.
         """
@@ -141,7 +141,7 @@ class Client:
     ) -> Capture:
         """Uploads a capture resumably (tus 1.0.0): an archive, or a folder that is packed first.
 
-        Motion capture (`.npz`) is packed with the `.json` beside it.
+        Motion capture (`.npz`, `.c3d`, `.csv`, `.trc`) is packed with the `.json` beside it.
         The upload survives broken connections and restarts of the server and, if called again, of
         the calling process. The same content with the same facts is one capture and is not sent
         twice. `on_progress` gets the bytes that the server has, and the total. `facts` are those of

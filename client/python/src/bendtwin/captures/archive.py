@@ -15,15 +15,17 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".mp4", ".mkv", ".avi")
 _COMPRESSED = frozenset(
     (*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".zstd", ".mcap", ".glb", ".pth")
 )
+#: Markers of motion capture, which a `.json` beside them may describe.
+_MARKERS = frozenset((".c3d", ".csv", ".trc"))
 
 
 @contextmanager
 def archive_of(path: Path) -> Iterator[Path]:
     """The capture as one file: `path` itself, or a temporary ZIP archive.
 
-    Of a folder, all regular files but hidden ones are packed, and motion capture (`.npz`) with the
-    `.json` that describes it, the same way every time: so the same files have the same digest, by
-    which an upload that broke off is found again.
+    Of a folder, all regular files but hidden ones are packed, and motion capture (`.npz`, `.c3d`,
+    `.csv`, `.trc`) with the `.json` that describes it, the same way every time: so the same files
+    have the same digest, by which an upload that broke off is found again.
     """
     files = _parts_of(path)
     if files is None:
@@ -82,9 +84,10 @@ def _parts_of(path: Path) -> list[tuple[str, Path]] | None:
             warnings.warn(message, stacklevel=5)
         files = sorted(p for p in everything if _is_packed(p, path))
         return [(file.relative_to(path).as_posix(), file) for file in files]
-    if path.suffix.lower() != ".npz":
-        return None
+    suffix = path.suffix.lower()
     description = path.with_suffix(".json")
+    if suffix != ".npz" and (suffix not in _MARKERS or not description.is_file()):
+        return None
     if path.is_file() and not description.is_file():
         raise FileNotFoundError(f"{path.name} is motion capture, and needs {description} beside it")
     return [(file.name, file) for file in (description, path)]
