@@ -2,7 +2,7 @@ import { Problem } from '../api/client';
 import { hasEnded, type Capture } from '../api/types';
 import type { OpenPage, PageContext } from '../page';
 import { findingList } from '../pages/captures/findings';
-import type { Report } from '../pages/captures/report';
+import { concerns, type Report } from '../pages/captures/report';
 import { actionButton, download, faultPlace } from '../pages/parts/actions';
 import { hasPoints, readAgain } from '../pages/parts/ingest';
 import { JobView, follow } from '../pages/parts/job';
@@ -257,9 +257,9 @@ class MasksPage {
     const report = await context.api.json<Report>(`${this.#path}/report`, { signal: context.signal });
     // What lacks before anything was marked is what this page is for, except for poses.
     const isFirst = readStrokes(this.capture.ingest.settings).length === 0;
-    const findings = report.findings.filter(({ code }) => !isFirst || code === 'NOT_CALIBRATED');
+    const findings = report.findings.filter((finding) => !isFirst || concerns(finding, 'NOT_CALIBRATED'));
     const toCapture = h('p', {}, h('a', { href: `#/captures/${this.id}` }, 'Calibrate on the page of the capture'));
-    const list = findingList({ ...report, findings }, ({ code }) => (code === 'NOT_CALIBRATED' ? toCapture : null));
+    const list = findingList({ ...report, findings }, (finding) => (concerns(finding, 'NOT_CALIBRATED') ? toCapture : null));
     this.#findings.replaceChildren(...(list === null ? [] : [h('h2', {}, 'What was found'), list]));
   }
 

@@ -15,7 +15,7 @@ import { cameraImages } from './cameras';
 import { findingsView } from './findings';
 import { camerasView, factsView } from './measured';
 import { picturesView } from './pictures';
-import type { Finding, Report } from './report';
+import { concerns, type Finding, type Report } from './report';
 import { fitsOf, twinsOf } from './results';
 import { sourcesView } from './sources';
 import { Supplements } from './supplements';
@@ -145,10 +145,10 @@ class CapturePage {
 
   /** What can be done about a finding here. */
   private remedy(finding: Finding): HTMLElement | null {
-    if (finding.code === 'MASKS_MISSING') {
+    if (concerns(finding, 'MASKS_MISSING')) {
       return h('p', {}, h('a', { class: 'button', href: `#/captures/${this.id}/masks` }, 'Mark the object and the hand'));
     }
-    if (finding.code === 'NOT_CALIBRATED') {
+    if (concerns(finding, 'NOT_CALIBRATED')) {
       return h('p', {}, h('button', { type: 'button', onclick: () => this.#calibration.focus() }, 'Calibrate with a board'));
     }
     if (finding.code === 'CAMERA_OFF' && inUse(this.capture).correct !== true) {
@@ -172,7 +172,7 @@ class CapturePage {
     try {
       const report = await context.api.json<Report>(`${path}/report`, { signal: context.signal });
       void this.showImages(report);
-      const lacksPoses = report.findings.some(({ code }) => code === 'NOT_CALIBRATED');
+      const lacksPoses = report.findings.some((finding) => concerns(finding, 'NOT_CALIBRATED'));
       if (report.kind === 'recording') this.#calibration.show(report.calibration ?? null, lacksPoses);
       else {
         this.#calibration.element.hidden = true;

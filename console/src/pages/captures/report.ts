@@ -46,6 +46,11 @@ export interface Finding {
   readonly consequences?: readonly string[];
 }
 
+/** True if a finding has a code, or explains one that it stands for. */
+export function concerns({ code: own, consequences = [] }: Finding, code: string): boolean {
+  return own === code || consequences.includes(code);
+}
+
 export interface CameraReport {
   readonly name: string;
   readonly width: number;
