@@ -92,6 +92,9 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
     let with_images = [Format::Mcap, Format::Bundle, Format::Nerfstudio, Format::RawPhysTwin];
     let format = Format::all(&files.list("")).find(|format| with_images.contains(format));
     let document = files.find_document(CALIBRATION_FILE)?;
+    // Other programs have files of that name too.
+    let is_foreign = document.as_ref().is_some_and(|bytes| !Calibration::is_one(bytes));
+    let document = document.filter(|_| !is_foreign);
     let calibration = document.map(|bytes| Calibration::read(&bytes, &limits)).transpose()?;
     let mut recording = match format {
         Some(Format::Mcap) => mcap::read(files)?,
@@ -102,7 +105,10 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Recording, Error> {
     };
     if let Some(calibration) = &calibration {
         calibration.apply(&mut recording)?;
-        recording.sources.take("pose", None, CALIBRATION_FILE, &calibration.source);
+        calibration.tell(&mut recording.sources, CALIBRATION_FILE);
+    }
+    if is_foreign {
+        recording.sources.leave_out(CALIBRATION_FILE, "it is no calibration of BendTwin");
     }
     validity::settle(&mut recording, &limits)?;
     Ok(recording)

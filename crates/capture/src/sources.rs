@@ -18,7 +18,7 @@ pub struct Sources {
 /// A file, folder or topic that was taken as a part of the capture.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Taken {
-    /// The part: `colour`, `depth`, `object masks`, `hand masks`, `tracks`, `pose`, `lens`, `grippers`,
+    /// The part: `colour`, `depth`, `object masks`, `hand masks`, `tracks`, `pose`, `lens`, `gripper`,
     /// `mesh`, ...
     pub part: String,
     /// The camera's name; absent if it concerns all.

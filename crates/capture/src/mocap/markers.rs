@@ -29,6 +29,8 @@ use crate::{
 
 /// Bytes by which a file is recognised.
 const LOOKED_AT: u64 = 2048;
+/// Bytes of memory that a cell of a line takes beside its letters, at most.
+const CELL_BYTES: u64 = 128;
 
 /// Format of a file of markers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -270,6 +272,12 @@ fn reserve(
     let cells = frames.saturating_mul(marks);
     budget.take((cells as u64).saturating_mul(64), &format!("`{at}`"))?;
     Ok(Vec::with_capacity(cells))
+}
+
+/// Charges the cells of a line before they are taken apart: a line may have nothing but separators.
+fn charge_cells(at: &str, line: &str, separator: u8, budget: &mut Budget) -> Result<(), Error> {
+    let cells = line.bytes().filter(|byte| *byte == separator).count() as u64;
+    budget.take(cells.saturating_add(1).saturating_mul(CELL_BYTES), &format!("`{at}`"))
 }
 
 fn damaged(at: &str, fault: impl Into<String>) -> Error {

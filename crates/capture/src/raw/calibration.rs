@@ -8,9 +8,9 @@ mod document;
 use bendtwin_core::Plane;
 
 use super::{Distortion, Intrinsics, Pose, Recording};
-use crate::{Error, Limits};
+use crate::{Error, Limits, Sources, sources::Taken};
 
-/// Name of the document in a raw PhysTwin case, where it replaces `calibrate.pkl`.
+/// Name of the document beside the files of a recording, whose own calibration it replaces.
 pub const CALIBRATION_FILE: &str = "calibration.json";
 
 /// Calibration of the cameras of a recording.
@@ -52,6 +52,12 @@ impl Calibration {
         document::read(bytes, limits)
     }
 
+    /// `true` if a file of its name is one, and not another program's. One that is broken counts, so
+    /// that its fault is told.
+    pub(super) fn is_one(bytes: &[u8]) -> bool {
+        document::is_one(bytes)
+    }
+
     /// The document.
     pub fn to_json(&self) -> String {
         document::write(self)
@@ -91,6 +97,31 @@ impl Calibration {
     /// If cameras do not match, or were calibrated for images of another size.
     pub fn apply(&self, recording: &mut Recording) -> Result<(), Error> {
         apply::apply(self, recording)
+    }
+
+    /// Lists as taken `from` somewhere the lenses and poses that it has, in place of those that it
+    /// replaces.
+    pub fn tell(&self, sources: &mut Sources, from: &str) {
+        type Has = fn(&CalibratedCamera) -> bool;
+        let has_pose: Has = |camera| camera.pose.is_some();
+        let has_pinhole: Has = |camera| camera.intrinsics.is_some();
+        let has_lens: Has = |camera| camera.intrinsics.is_some() || camera.distortion.is_some();
+        for (part, has, replaces) in [("lens", has_lens, has_pinhole), ("pose", has_pose, has_pose)]
+        {
+            if self.cameras.iter().all(replaces) {
+                sources.taken.retain(|taken| taken.part != part);
+                sources.take(part, None, from, &self.source);
+                continue;
+            }
+            for camera in self.cameras.iter().filter(|camera| has(camera)) {
+                let name = Some(camera.name.as_str());
+                if replaces(camera) {
+                    let is_other = |of: &Taken| of.part != part || of.camera.as_deref() != name;
+                    sources.taken.retain(is_other);
+                }
+                sources.take(part, name, from, &self.source);
+            }
+        }
     }
 }
 

@@ -204,7 +204,8 @@ fn rows(files: &mut Files<'_>, numbers: Numbers) -> Result<(usize, Vec<f64>), Er
             }
             let bytes = files.read(&at)?;
             let array = npy::read(&at, &bytes)?;
-            let columns = array.shape.iter().skip(1).product();
+            // Shapes of empty arrays may be of any size.
+            let columns = array.shape.iter().skip(1).fold(1_usize, |all, n| all.saturating_mul(*n));
             Ok((columns, array.doubles(&mut files.budget)?))
         }
         Numbers::Row(row) => Ok((1, row.into_iter().map(known).collect())),

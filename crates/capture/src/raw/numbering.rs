@@ -183,11 +183,27 @@ impl Images {
         format!("`{}` from {first} to {last}", self.at)
     }
 
+    /// `true` if its numbers are those of frames.
+    fn is_within(&self, numbering: Numbering) -> bool {
+        let end = numbering.first.saturating_add(numbering.frame_count as u64);
+        self.range().is_none_or(|(first, last)| first >= numbering.first && last < end)
+    }
+
+    /// Refuses masks whose numbers are not those of a recording's frames.
+    pub(super) fn expect_frames(&self, numbering: Numbering) -> Result<(), Error> {
+        if self.is_within(numbering) {
+            return Ok(());
+        }
+        Err(Error::FrameNumbers(format!(
+            "masks are numbered beyond the recording, {}, which has {} frames: number masks by its frames",
+            self.numbered(),
+            numbering.frame_count
+        )))
+    }
+
     /// Refuses masks whose numbers are not those of the images.
     pub(super) fn expect_within(&self, numbering: Numbering, images: &Self) -> Result<(), Error> {
-        let Some((first, last)) = self.range() else { return Ok(()) };
-        let end = numbering.first + numbering.frame_count as u64;
-        if first >= numbering.first && last < end {
+        if self.is_within(numbering) {
             return Ok(());
         }
         Err(Error::FrameNumbers(format!(

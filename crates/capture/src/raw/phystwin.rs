@@ -12,7 +12,7 @@ mod writer;
 
 use std::sync::Arc;
 
-use bendtwin_core::Environment;
+use bendtwin_core::{Environment, geometry::IDENTITY};
 
 pub(super) use self::layout::is_case;
 use self::{layout::Folders, metadata::Metadata, poses::Poses};
@@ -37,8 +37,9 @@ pub(super) const MARKER: &str = "metadata.json";
 /// PhysTwin stores millimetres.
 const DEPTH_UNIT_M: f64 = 0.001;
 
-/// Reads the case at the root of `files`, but none of its frames. A calibration beside it replaces
-/// that of the case; without either, cameras have no poses.
+/// Reads the case at the root of `files`, but none of its frames. Lenses are those of a calibration
+/// beside it as far as it has them; poses are the case's own, which the calibration replaces later, and
+/// moves what lies in the world along. Without either, cameras have no poses.
 pub(super) fn read(
     mut files: Files<'static>,
     calibration: Option<&Calibration>,
@@ -110,7 +111,13 @@ pub(super) fn read(
         }
     }
     let mesh = mesh(&mut files, &frame, &mut sources)?;
-    let grippers = gripper::find(&mut files, numbering.frame_count, &frame, &mut sources)?;
+    // Where the calibration alone says where the cameras are, its world is that of the grippers.
+    let is_placed = cameras.iter().any(|camera| !camera.poses.is_empty());
+    let gives_poses =
+        calibration.is_some_and(|given| given.cameras.iter().any(|camera| camera.pose.is_some()));
+    let world =
+        if gives_poses && !is_placed { Frame { rotation: IDENTITY, metres: 1.0 } } else { frame };
+    let grippers = gripper::find(&mut files, numbering.frame_count, &world, &mut sources)?;
     notes.extend(crate::format::taken(&files.list("")));
     let mut recording = Recording {
         name: files.name.clone(),
@@ -152,7 +159,13 @@ fn cameras(
             serials.iter().map(|serial| serial.name()).chain(unnamed).collect()
         }
     };
-    let own = if calibration.is_some() { None } else { poses::read(files, &names)? };
+    let is_replaced =
+        calibration.is_some_and(|given| given.cameras.iter().all(|camera| camera.pose.is_some()));
+    let own = match poses::read(files, &names) {
+        // The calibration has all that a damaged file could say.
+        Err(_) if is_replaced => None,
+        own => own?.filter(|own| !is_replaced || own.poses.len() == camera_count),
+    };
     let counts = own.iter().map(|own| (own.at, own.poses.len()));
     let serials = (!serials.is_empty()).then_some(("`serial_numbers`", serials.len()));
     for (what, count) in counts.chain(serials) {
@@ -177,8 +190,8 @@ fn cameras(
         validity::check_size(&name, metadata.size, &files.limits)?;
         let given = calibrated.and_then(|camera| camera.intrinsics);
         let intrinsics = match (metadata.intrinsics.get(index), given) {
-            (Some(matrix), _) => intrinsics(&name, matrix)?,
-            (None, Some(intrinsics)) => intrinsics,
+            (_, Some(given)) => given,
+            (Some(matrix), None) => intrinsics(&name, matrix)?,
             (None, None) => {
                 let fault = "neither metadata.json nor calibration.json has its intrinsics";
                 return Err(Error::Camera { camera: name, fault: fault.to_owned() });
@@ -190,7 +203,7 @@ fn cameras(
             name,
             width: metadata.size[0],
             height: metadata.size[1],
-            distortion: Distortion::None,
+            distortion: calibrated.and_then(|camera| camera.distortion).unwrap_or(Distortion::None),
             poses: pose.map(|pose| pose.turned(frame)).into_iter().collect(),
             times_s: Vec::new(),
             fps: None,

@@ -166,11 +166,11 @@ fn frame_count(
     let field = |name: &str| {
         let words: Vec<f64> = parameters.get("TRIAL", name)?.numbers(machine).collect();
         let &[low, high] = words.first_chunk::<2>()?;
-        Some(low as usize + 65536 * high as usize)
+        Some((high as usize).saturating_mul(65536).saturating_add(low as usize))
     };
     let by_trial = field("ACTUAL_START_FIELD")
         .zip(field("ACTUAL_END_FIELD"))
-        .and_then(|(first, last)| (last + 1).checked_sub(first));
+        .and_then(|(first, last)| last.saturating_add(1).checked_sub(first));
     let by_header = first.zip(last).and_then(|(first, last)| {
         let count = (usize::from(last) + 1).checked_sub(usize::from(first))?;
         (last < u16::MAX).then_some(count)

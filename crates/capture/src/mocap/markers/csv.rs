@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Mark, Markers, damaged, reserve};
+use super::{Mark, Markers, charge_cells, damaged, reserve};
 use crate::{Error, Limits, limits::Budget};
 
 /// Distance from a rigid body's pivot of the points that stand for it if its markers were not exported
@@ -29,7 +29,9 @@ pub(super) fn read(
     budget: &mut Budget,
 ) -> Result<Markers, Error> {
     let mut lines = text.lines();
-    let settings = settings(lines.next().unwrap_or_default());
+    let first = lines.next().unwrap_or_default();
+    charge_cells(at, first, b',', budget)?;
+    let settings = settings(first);
     let mut header: Vec<Vec<String>> = Vec::new();
     let axes = loop {
         let Some(line) = lines.next() else {
@@ -38,6 +40,7 @@ pub(super) fn read(
                 "it has no line that begins with `Frame`: export it with its header",
             ));
         };
+        charge_cells(at, line, b',', budget)?;
         let cells = cells(line);
         if cells.first().is_some_and(|cell| cell.eq_ignore_ascii_case("frame")) {
             break cells;
@@ -56,13 +59,16 @@ pub(super) fn read(
     let mut left_out = Vec::new();
     let columns = choose(things, quaternions, body_m, &mut left_out);
 
-    let rows: Vec<&str> =
-        lines.filter(|line| !line.trim_matches([',', ' ', '\r']).is_empty()).collect();
+    // One more than there may be is refused below.
+    let rows: Vec<&str> = lines
+        .filter(|line| !line.trim_matches([',', ' ', '\r']).is_empty())
+        .take(limits.frames.saturating_add(1))
+        .collect();
     let marks: Vec<Mark> = columns.iter().map(|(mark, _)| mark.clone()).collect();
     let mut points = reserve(at, rows.len(), marks.len(), limits, budget)?;
     let mut times = [None, None];
     for (index, row) in rows.iter().enumerate() {
-        let cells: Vec<&str> = row.split(',').map(str::trim).collect();
+        let cells: Vec<&str> = row.split(',').map(str::trim).take(axes.len().max(2)).collect();
         let number = |column: usize| -> Option<f64> { cells.get(column)?.parse().ok() };
         if index == 0 {
             times[0] = number(1);

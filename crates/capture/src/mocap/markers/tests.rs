@@ -297,3 +297,18 @@ fn damage_and_limits_are_refused() {
         assert!(read_bytes("wrong", text.as_bytes(), &Limits::default()).is_err(), "{text:.80}");
     }
 }
+
+#[test]
+fn lines_of_separators_are_charged_before_they_are_taken_apart() {
+    let limits = Limits { total_bytes: 100_000, ..Limits::default() };
+    let text = format!("PathFileType\t4\n{}\n30\nFrame#\tTime\n", "\t".repeat(1000));
+    let read = trc::read("a.trc", &text, &limits, &mut Budget::new(&limits));
+    assert!(matches!(read, Err(Error::TooLarge { .. })));
+    let text = format!("Format Version,1.23\n{}\n", ",".repeat(1000));
+    let read = csv::read("a.csv", &text, &limits, &mut Budget::new(&limits));
+    assert!(matches!(read, Err(Error::TooLarge { .. })));
+    let limits = Limits { frames: 2, ..Limits::default() };
+    let text = format!("PathFileType\n\n\nFrame#\tTime\ta\n{}", "1\t0\t1\t2\t3\n".repeat(3));
+    let read = trc::read("a.trc", &text, &limits, &mut Budget::new(&limits));
+    assert!(matches!(read, Err(Error::TooMany { .. })));
+}

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Mark, Markers, damaged, reserve};
+use super::{Mark, Markers, charge_cells, damaged, reserve};
 use crate::{Error, Limits, limits::Budget};
 
 pub(super) fn read(
@@ -16,6 +16,8 @@ pub(super) fn read(
     let mut lines = text.lines();
     let mut line = || lines.next().unwrap_or_default().trim_end_matches('\r');
     let (_, keys, values, names) = (line(), line(), line(), line());
+    charge_cells(at, keys, b'\t', budget)?;
+    charge_cells(at, names, b'\t', budget)?;
     let settings: BTreeMap<String, &str> = keys
         .split('\t')
         .map(|key| key.trim().to_ascii_lowercase())
@@ -34,10 +36,12 @@ pub(super) fn read(
         .collect();
     let is_row =
         |line: &&str| line.trim_start().starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let rows: Vec<&str> = lines.filter(is_row).collect();
+    // One more than there may be is refused here.
+    let rows: Vec<&str> = lines.filter(is_row).take(limits.frames.saturating_add(1)).collect();
     let mut points = reserve(at, rows.len(), columns.len(), limits, budget)?;
+    let width = columns.last().map_or(0, |(column, _)| column + 3);
     for row in &rows {
-        let cells: Vec<&str> = row.split('\t').map(str::trim).collect();
+        let cells: Vec<&str> = row.split('\t').map(str::trim).take(width).collect();
         let number = |column: usize| -> f64 {
             cells.get(column).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN)
         };

@@ -80,7 +80,9 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         read_mesh(&mut files, entry, &frame)
     });
     let mesh = mesh.transpose()?;
-    let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
+    // Their poses are in metres, whatever the unit of the bundle's points.
+    let turned = Frame { metres: 1.0, ..frame };
+    let grippers = gripper::find(&mut files, frame_count, &turned, &mut sources)?;
     let chosen = probe::chosen_turn(section.image_orientation.as_deref(), MARKER)?;
     let mut stored = StoredFrames::new(files.fork(), image_count, stored)?;
     let forms = probe::look(&mut stored, &cameras, chosen, &mut notes)?;

@@ -218,7 +218,7 @@ fn depth_of_another_camera_is_aligned() {
 
 #[test]
 fn other_axes_and_units_are_converted() {
-    let files = with(|document| {
+    let mut files = with(|document| {
         document["units"] = json!("cm");
         document["up_axis"] = json!("+y");
         document["gravity_m_s2"] = Value::Null;
@@ -229,7 +229,14 @@ fn other_axes_and_units_are_converted() {
             "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "scale": 100, "translation": [0, 50, 0]
         });
     });
+    let poses = [[0, 1, 0, 0, 0, 0, 1]; FRAMES];
+    let grippers = json!({
+        "format": "bendtwin-grippers", "version": 1, "grippers": [{ "poses": poses }]
+    });
+    files.insert("grippers.json".to_owned(), grippers.to_string().into_bytes());
     let recording = describe(&files).unwrap();
+    // Grippers are given in metres.
+    assert_eq!(recording.grippers[0].poses[0].unwrap().translation, [0.0, 0.0, 1.0]);
     let pose = recording.cameras[0].poses[0];
     let expected = [0.1, -0.3, 0.2];
     assert!((0..3).all(|i| (pose.translation[i] - expected[i]).abs() < 1e-12), "{pose:?}");

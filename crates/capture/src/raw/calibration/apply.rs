@@ -1,12 +1,15 @@
 //! Replaces lenses, poses and ground of a recording.
 
-use bendtwin_core::{Environment, Plane, Point};
+use bendtwin_core::Environment;
 
 use super::{CalibratedCamera, Calibration};
 use crate::{
     Error,
     raw::{Camera, Pose, Recording},
 };
+
+/// Motion of the world that is rounding, by the distance of [`apart`] [m].
+const SAME_WORLD_M: f64 = 1e-3;
 
 pub(super) fn apply(calibration: &Calibration, recording: &mut Recording) -> Result<(), Error> {
     let pairs = calibration.of_cameras(recording.cameras.iter().map(|c| c.name.as_str()))?;
@@ -35,6 +38,9 @@ pub(super) fn apply(calibration: &Calibration, recording: &mut Recording) -> Res
         });
     }
     let moved = motion(&recording.cameras, &pairs);
+    // A correction of single cameras, or of lenses alone, leaves the world where it is.
+    let stays =
+        !has_poses || moved.is_some_and(|moved| apart(&moved, &Pose::IDENTITY) < SAME_WORLD_M);
     for (camera, new) in recording.cameras.iter_mut().zip(&pairs) {
         let Some(new) = new else { continue };
         camera.intrinsics = new.intrinsics.unwrap_or(camera.intrinsics);
@@ -48,13 +54,14 @@ pub(super) fn apply(calibration: &Calibration, recording: &mut Recording) -> Res
             }
         }
     }
-    if let Some(moved) = moved {
+    if let Some(moved) = moved.filter(|_| !stays) {
         carry(recording, &moved);
+    }
+    if !stays {
+        recording.environment = Environment::Z_UP;
     }
     if let Some(ground) = calibration.ground {
         recording.environment.ground = Some(ground);
-    } else if has_poses {
-        recording.environment = Environment::Z_UP;
     }
     Ok(())
 }
@@ -96,16 +103,6 @@ fn motion(cameras: &[Camera], pairs: &[Option<&CalibratedCamera>]) -> Option<Pos
             Some(after.after(&before.inverse()))
         })
         .collect();
-    let apart = |a: &Pose, b: &Pose| {
-        // Distance between where the two take the points of a cube of a metre.
-        [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-            .map(|p| {
-                let (p, q) = (a.moved(p), b.moved(p));
-                (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
-            })
-            .iter()
-            .sum::<f64>()
-    };
     // The median distance: one camera that was corrected does not count.
     let median = |pose: &Pose| {
         let mut all: Vec<f64> = motions.iter().map(|other| apart(pose, other)).collect();
@@ -113,6 +110,17 @@ fn motion(cameras: &[Camera], pairs: &[Option<&CalibratedCamera>]) -> Option<Pos
         all[all.len() / 2]
     };
     motions.iter().min_by(|a, b| median(a).total_cmp(&median(b))).copied()
+}
+
+/// Distance between where two motions take the corners of a metre [m].
+fn apart(a: &Pose, b: &Pose) -> f64 {
+    [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|p| {
+            let (p, q) = (a.moved(p), b.moved(p));
+            (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
+        })
+        .iter()
+        .sum::<f64>()
 }
 
 fn carry(recording: &mut Recording, moved: &Pose) {
@@ -128,10 +136,4 @@ fn carry(recording: &mut Recording, moved: &Pose) {
         alignment.translation = moved.to_world(alignment.translation.map(f64::from));
     }
     recording.source_to_world = crate::frame::compose(&turn, &recording.source_to_world);
-    if let Some(ground) = &mut recording.environment.ground {
-        let normal: Point =
-            std::array::from_fn(|i| (0..3).map(|j| turn[i][j] * ground.normal[j]).sum());
-        let shift: f32 = (0..3).map(|i| normal[i] * moved.translation[i] as f32).sum();
-        *ground = Plane { normal, offset_m: ground.offset_m + shift };
-    }
 }

@@ -26,6 +26,13 @@ struct Head {
     version: u64,
 }
 
+/// What tells a calibration from other programs' files.
+#[derive(Deserialize)]
+struct Origin {
+    #[serde(default)]
+    format: Option<String>,
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
@@ -58,6 +65,14 @@ struct CameraEntry {
 struct GroundEntry {
     normal: [f32; 3],
     offset: f32,
+}
+
+/// `true` if the document is a calibration, or was one before it was broken.
+pub(super) fn is_one(bytes: &[u8]) -> bool {
+    match json::<Origin>(bytes, CALIBRATION_FILE) {
+        Ok(origin) => origin.format.as_deref() == Some(FORMAT),
+        Err(_) => bytes.windows(FORMAT.len()).any(|part| part == FORMAT.as_bytes()),
+    }
 }
 
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Calibration, Error> {

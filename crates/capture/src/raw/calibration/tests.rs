@@ -141,6 +141,53 @@ fn what_lies_in_the_world_moves_with_most_cameras() {
 }
 
 #[test]
+fn ground_and_gravity_change_where_the_world_does() {
+    let mut before = three(["a", "b", "c"]);
+    before.environment = Environment { gravity: [0.0, 0.0, -1.6], ground: None };
+    let mut calibration = Calibration::of(&before, "correction");
+    calibration.cameras[0].pose = Some(at(0.1));
+    let applied = |calibration: &Calibration| {
+        let mut recording = before.clone();
+        calibration.apply(&mut recording).unwrap();
+        recording.environment
+    };
+    assert_eq!(applied(&calibration), before.environment);
+    let plane = Plane { normal: [0.0, 0.0, 1.0], offset_m: -0.25 };
+    calibration.ground = Some(plane);
+    assert_eq!(applied(&calibration), Environment { ground: Some(plane), ..before.environment });
+    let lift = Pose { translation: [0.0, 0.0, 0.5], ..Pose::IDENTITY };
+    for camera in &mut calibration.cameras {
+        camera.pose = camera.pose.map(|pose| lift.after(&pose));
+    }
+    assert_eq!(applied(&calibration), Environment { ground: Some(plane), ..Environment::Z_UP });
+    calibration.ground = None;
+    assert_eq!(applied(&calibration), Environment::Z_UP);
+}
+
+#[test]
+fn what_it_has_is_listed_in_place_of_what_it_replaces() {
+    let mut calibration = Calibration::of(&three(["a", "b", "c"]), "board");
+    let told = |calibration: &Calibration| {
+        let mut sources = Sources::default();
+        sources.take("lens", None, "metadata.json", "");
+        sources.take("pose", Some("a"), "calibrate.pkl", "");
+        sources.take("pose", Some("b"), "calibrate.pkl", "");
+        calibration.tell(&mut sources, "calibration.json");
+        sources.lines().collect::<Vec<_>>()
+    };
+    let all = ["lens: calibration.json (board)", "pose: calibration.json (board)"];
+    assert_eq!(told(&calibration), all);
+    for camera in &mut calibration.cameras {
+        (camera.intrinsics, camera.distortion) = (None, None);
+    }
+    calibration.cameras[0].pose = None;
+    calibration.cameras.truncate(2);
+    let some =
+        ["lens: metadata.json", "pose of a: calibrate.pkl", "pose of b: calibration.json (board)"];
+    assert_eq!(told(&calibration), some);
+}
+
+#[test]
 fn a_camera_that_moves_keeps_its_motion() {
     let mut moving = recording(vec![camera("a", vec![at(0.0), at(0.5)])]);
     let mut calibration = Calibration::of(&moving, "ground");

@@ -127,6 +127,11 @@ impl Source for Retimed {
     fn files(&self) -> Vec<String> {
         self.source.files()
     }
+
+    fn color_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        let image = self.images.get(camera)?.get(frame).copied().flatten()?;
+        self.source.color_stem(camera, image)
+    }
 }
 
 struct Reader<'a> {

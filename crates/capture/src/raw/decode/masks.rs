@@ -20,6 +20,14 @@ pub(in crate::raw) struct Layer {
     pub(in crate::raw) runs: Runs,
 }
 
+impl Layer {
+    /// Bytes that it takes in memory.
+    pub(in crate::raw) fn bytes(&self) -> u64 {
+        let label = self.label.as_ref().map_or(0, String::len);
+        (size_of::<Self>() + label) as u64 + self.runs.bytes()
+    }
+}
+
 /// What a file of masks is read as.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::raw) struct Expected {

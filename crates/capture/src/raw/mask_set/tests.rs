@@ -62,6 +62,7 @@ fn an_archive_of_masks_is_read_back() {
     let limits = Limits::default();
     let read = recording.clone().with_mask_files(&path, &limits).unwrap();
     assert_eq!(MaskSet::of(&read).unwrap(), masks);
+    assert_eq!(read.source.color_stem(1, 2).as_deref(), Some("2"));
     let mut files = Files::open(&path, &Limits::default()).unwrap();
     assert_eq!(files.read("mask/following.json").unwrap(), b"{}");
     // Masks of another size are refused before they are decoded.

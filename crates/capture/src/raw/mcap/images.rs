@@ -9,12 +9,15 @@ use super::{
 };
 use crate::{
     Error,
+    files::at_most,
     raw::{
         ColorImage, DepthImage, Image, Mask,
         decode::{self, Size},
     },
 };
 
+/// Most pixels of a depth image of run lengths: a few bytes may announce any number.
+const MAX_PIXELS: usize = 1 << 25;
 /// ROS's convention for 16-bit depth.
 const MILLIMETRE: f64 = 0.001;
 
@@ -153,7 +156,9 @@ fn compressed_depth(
     };
     let found = [side(0), side(4)];
     decode::alike(at, found, size)?;
-    let numbers = rvl::decode(data, found[0] * found[1]).ok_or_else(|| {
+    let count = found[0].saturating_mul(found[1]);
+    at_most("pixels of a depth image", count, MAX_PIXELS)?;
+    let numbers = rvl::decode(data, count).ok_or_else(|| {
         damaged("its compressed depth (RVL) does not have as many pixels as it says")
     })?;
     let metres = numbers.into_iter().map(|n| decode::measured(metres(n))).collect();

@@ -3,7 +3,7 @@
 
 use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-use bendtwin_core::Finding;
+use bendtwin_core::{Finding, Point};
 
 use super::{MARKER, metadata::Metadata};
 use crate::{
@@ -70,7 +70,7 @@ impl Timing {
             let fps = rates.first().copied().unwrap_or(f64::NAN);
             return Ok(Self { fps, numbering, notes, order: None });
         };
-        let order = Order::by_clocks(&clocks, rates, images, numbering)?;
+        let order = Order::by_clocks(&clocks, rates, images, numbering, limits)?;
         notes.extend(order.note(numbering.frame_count));
         Ok(Self { fps, numbering, notes, order: Some(order) })
     }
@@ -129,9 +129,20 @@ impl Timing {
         let Some(Order { images, frames, rates, times }) = self.order else { return Ok(()) };
         let points = recording.truth_tracks.len() / recording.frame_count.max(1);
         if points > 0 {
-            let kept =
-                frames.start * points..(frames.end * points).min(recording.truth_tracks.len());
-            recording.truth_tracks = recording.truth_tracks.get(kept).unwrap_or_default().to_vec();
+            let bytes = (frames.len() as u64).saturating_mul(points as u64);
+            let bytes = bytes.saturating_mul(size_of::<Point>() as u64);
+            let limit = limits.total_bytes;
+            if bytes > limit {
+                return Err(Error::TooLarge { what: "clean tracks".to_owned(), bytes, limit });
+            }
+            let tracks = &recording.truth_tracks;
+            recording.truth_tracks = rows(tracks, points, &frames, [f32::NAN; 3]);
+        }
+        for gripper in &mut recording.grippers {
+            gripper.poses = rows(&gripper.poses, 1, &frames, None);
+            if !gripper.widths_m.is_empty() {
+                gripper.widths_m = rows(&gripper.widths_m, 1, &frames, f64::NAN);
+            }
         }
         recording.train_frame_count = if has_split {
             recording.train_frame_count.saturating_sub(frames.start).min(frames.len())
@@ -161,12 +172,19 @@ impl Order {
         rates: Vec<f64>,
         images: &[[Images; 2]],
         numbering: Numbering,
+        limits: &Limits,
     ) -> Result<Self, Error> {
+        let spans: Vec<Range<usize>> = images
+            .iter()
+            .map(|[color, _]| color.span(numbering).unwrap_or(0..numbering.frame_count))
+            .collect();
+        let ends = clocks.iter().zip(&spans);
+        let ends = ends.map(|(clock, span)| end(*clock, span, limits.recording_frames));
+        let frame_count = ends.max().unwrap_or(0);
         let mut by_frame: retimed::Images = Vec::with_capacity(clocks.len());
-        for (clock, [color, _]) in clocks.iter().zip(images) {
-            let mut of = clock.by_frame(numbering.frame_count, numbering.frame_count);
+        for (clock, span) in clocks.iter().zip(&spans) {
+            let mut of = clock.by_frame(numbering.frame_count, frame_count);
             // An image that is missing is a gap, but numbers beyond the last are none.
-            let span = color.span(numbering).unwrap_or(0..numbering.frame_count);
             of.iter_mut().for_each(|image| *image = image.filter(|image| span.contains(image)));
             by_frame.push(of);
         }
@@ -176,7 +194,7 @@ impl Order {
 
     fn note(&self, all: usize) -> Option<Finding> {
         let Range { start, end } = self.frames;
-        if self.frames.len() == all {
+        if self.frames == (0..all) {
             return None;
         }
         let message = format!(
@@ -186,6 +204,21 @@ impl Order {
         );
         Some(Finding::info("FRAMES_SHARED", message))
     }
+}
+
+/// The frame after that of a camera's last image, at most `most`.
+fn end(clock: Clock, images: &Range<usize>, most: usize) -> usize {
+    let after = clock.frame(images.end.saturating_sub(1)).saturating_add(1);
+    usize::try_from(after).unwrap_or(0).min(most)
+}
+
+/// The values of some frames, `width` for each; `unknown` where there are none.
+fn rows<T: Clone>(all: &[T], width: usize, frames: &Range<usize>, unknown: T) -> Vec<T> {
+    let end = frames.end.saturating_mul(width).min(all.len());
+    let start = frames.start.saturating_mul(width).min(end);
+    let mut rows = all.get(start..end).unwrap_or_default().to_vec();
+    rows.resize(frames.len().saturating_mul(width), unknown);
+    rows
 }
 
 /// The images of some frames.

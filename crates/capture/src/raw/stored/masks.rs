@@ -15,7 +15,7 @@ use crate::{
         Image, Mask,
         decode::{
             self, Size,
-            masks::{Expected, Layers, read},
+            masks::{Expected, Layer, Layers, read},
         },
     },
 };
@@ -60,6 +60,8 @@ pub(in crate::raw) enum Labelled {
 pub(super) struct Kept {
     /// Masks of all frames by their files.
     whole: BTreeMap<String, Vec<Layers>>,
+    /// What these may still take, all together; none before the first.
+    budget: Option<Budget>,
     /// Those of the last frame, which the regions share, with their file.
     last: Option<(String, Labelled)>,
 }
@@ -225,6 +227,11 @@ impl Reader<'_> {
             Place::Whole(name) => {
                 if !self.kept.whole.contains_key(name) {
                     let frames = whole(&mut self.files, name, size, self.frame_count)?;
+                    let bytes = frames.iter().flatten().map(Layer::bytes);
+                    let bytes = bytes.fold(0, u64::saturating_add);
+                    let limits = &self.files.limits;
+                    let budget = self.kept.budget.get_or_insert_with(|| Budget::new(limits));
+                    budget.take(bytes, &format!("`{name}`"))?;
                     self.kept.whole.insert(name.clone(), frames);
                 }
                 let frames = self.kept.whole.get(name).map_or(&[][..], Vec::as_slice);

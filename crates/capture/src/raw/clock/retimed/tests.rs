@@ -41,6 +41,10 @@ impl Source for Numbered {
     fn frames(&self, _: usize) -> Result<Box<dyn Frames + '_>, Error> {
         Ok(Box::new(Self))
     }
+
+    fn color_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        Some(format!("{camera}_{frame}"))
+    }
 }
 
 impl Frames for Numbered {
@@ -71,6 +75,8 @@ fn images_and_tracks_go_to_their_frames() {
     let tracks = frames.tracks().unwrap().unwrap();
     assert_eq!((tracks.points[0], tracks.points[2]), ([4.0, 5.0], [2.0, 3.0]));
     assert_eq!(tracks.visible, [false, false, true, false]);
+    assert_eq!(source.color_stem(0, 2).as_deref(), Some("0_1"));
+    assert_eq!([(0, 1), (0, 9), (1, 0)].map(|(c, f)| source.color_stem(c, f)), [None, None, None]);
     assert!(source.frames(1).is_err());
     assert!(Retimed::new(Arc::new(Numbered), vec![vec![None; 11]], &limits).is_err());
     let tight = Limits { total_bytes: 20, ..limits };

@@ -31,6 +31,14 @@ impl Runs {
         Ok(Self::Rows(runs))
     }
 
+    /// Bytes that the lengths take in memory.
+    pub(super) fn bytes(&self) -> u64 {
+        match self {
+            Self::Rows(runs) => size_of_val(runs.as_slice()) as u64,
+            Self::Columns(lengths) => size_of_val(lengths.as_slice()) as u64,
+        }
+    }
+
     /// The labels that show something, with repetitions, without a look at single pixels.
     pub(in crate::raw) fn labels(&self) -> Box<dyn Iterator<Item = u32> + '_> {
         match self {

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use crate::raw::decode::unit_fault;
+
 /// Keys of the record; those of a topic's unit have its name after them.
 const KEYS: &str =
     "world_frame, up_axis, ground_height_m, train_frame_count, depth_unit_m, depth_unit_m:TOPIC";
 
 /// Metres that each 1 of depth may be.
-const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e3;
+const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1.0;
 
 /// What the record declares.
 #[derive(Debug, Default, PartialEq)]
@@ -48,10 +50,13 @@ impl Settings {
                             ));
                         }
                     };
-                    let unit = value.parse::<f64>().ok().filter(|unit| UNITS.contains(unit));
-                    let unit = unit.ok_or_else(|| {
+                    let unit = value.parse::<f64>().map_err(|_| {
                         wrong() + ": metres of each 1 of depth, 0.001 for millimetres"
                     })?;
+                    if !UNITS.contains(&unit) {
+                        let fault = unit_fault(key, unit);
+                        return Err(format!("its metadata record `bendtwin`: {fault}"));
+                    }
                     match topic {
                         None => settings.depth_unit_m = Some(unit),
                         Some(topic) => drop(settings.topic_units.insert(topic, unit)),
@@ -106,5 +111,7 @@ mod tests {
         ] {
             assert!(parse(&[(key, value)]).unwrap_err().contains(value), "{key}");
         }
+        let fault = parse(&[("depth_unit_m:/a", "1000")]).unwrap_err();
+        assert!(fault.contains("`depth_unit_m:/a` is 1000") && fault.contains("give 0.001"));
     }
 }

@@ -14,6 +14,9 @@ use crate::{
     },
 };
 
+/// What names the labels of masks that are added: no description of a recording lies beside them.
+const NAMED: &str = "beside masks that are added `labels.json` says what their labels show, as in {\"1\": \"object\", \"2\": \"hand\"}";
+
 /// Frames of a recording with masks of other files.
 #[derive(Debug)]
 struct WithMasks {
@@ -53,19 +56,21 @@ impl Recording {
         let count = Some(("the recording", self.frame_count));
         let numbering = numbering::align(&images, count, limits)?;
         for images in &images {
-            images.expect_within(numbering, images)?;
+            images.expect_frames(numbering)?;
         }
         let is_mask = |part: &str| part == "object masks" || part == "hand masks";
         self.sources.taken.retain(|taken| !is_mask(&taken.part));
-        self.notes.retain(|note| !["MASK_LABELS", "MASK_INFO_MISMATCH"].contains(&&*note.code));
-        let regions = found.sort(
-            &[],
-            &self.cameras,
-            &|_| numbering,
-            &[],
-            &mut self.notes,
-            &mut self.sources,
-        )?;
+        let stale = ["MASK_LABELS", "MASK_INFO_MISMATCH", "MASKS_NOT_FOUND"];
+        self.notes.retain(|note| !stale.contains(&&*note.code));
+        let regions = found
+            .sort(&[], &self.cameras, &|_| numbering, &[], &mut self.notes, &mut self.sources)
+            .map_err(|error| match error {
+                Error::MaskLabels(fault) => Error::MaskLabels(format!("{fault}; {NAMED}")),
+                other => other,
+            })?;
+        for note in self.notes.iter_mut().filter(|note| note.code == "MASK_LABELS") {
+            note.advice = format!("if it is otherwise: {NAMED}");
+        }
         let stored = self.cameras.iter().zip(regions).map(|(camera, regions)| {
             let [object, manipulator]: Regions = regions;
             CameraFiles {
@@ -93,6 +98,10 @@ impl Source for WithMasks {
 
     fn files(&self) -> Vec<String> {
         self.images.files()
+    }
+
+    fn color_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        self.images.color_stem(camera, frame)
     }
 }
 

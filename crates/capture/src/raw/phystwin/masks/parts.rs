@@ -70,6 +70,10 @@ pub(super) fn find(
     for folder in folders {
         in_folder(files, &folder, camera, frames, &mut found)?;
     }
+    if found.parts.is_empty() {
+        // Each of them is decoded, and may turn out to be empty.
+        at_most("masks of a camera", whole.len(), MAX_PARTS)?;
+    }
     for file in whole {
         if found.parts.is_empty() {
             in_whole(files, &file, camera, frames, &mut found)?;
@@ -135,13 +139,11 @@ fn labelled(
         }
         return Ok(());
     }
-    let names = files.list(folder).files;
+    let mut names = files.list(folder).files;
+    names.retain(|name| is_whole(name));
+    at_most("masks of a camera", names.len(), MAX_PARTS)?;
     for name in names {
-        let Some((stem, ending)) = name.rsplit_once('.') else { continue };
-        let is_document = super::documents::is_one(&name);
-        if is_document || !WHOLE.iter().any(|e| ending.eq_ignore_ascii_case(e)) {
-            continue;
-        }
+        let stem = name.rsplit_once('.').map_or(name.as_str(), |(stem, _)| stem);
         let at = format!("{folder}/{name}");
         let before = found.parts.len();
         in_whole(files, &at, camera, frames, found)?;
@@ -155,6 +157,13 @@ fn labelled(
         }
     }
     Ok(())
+}
+
+/// `true` if a file may have the masks of all frames, by its name.
+fn is_whole(name: &str) -> bool {
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    let is_wanted = |ending: &str| WHOLE.iter().any(|e| ending.eq_ignore_ascii_case(e));
+    ending.is_some_and(is_wanted) && !super::documents::is_one(name)
 }
 
 /// A file with the masks of all frames.

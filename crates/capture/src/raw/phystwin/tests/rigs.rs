@@ -219,6 +219,33 @@ fn cameras_may_begin_at_different_times() {
     );
 }
 
+/// Its images last longer than their numbers say.
+#[test]
+fn a_slow_camera_may_begin_with_the_end_of_a_fast_one() {
+    // Frames 2 to 5 of camera 0 and 0 to 6 of camera 1.
+    let mut files = with("\"frame_offsets\": [2, 0]");
+    metadata(&mut files, "\"fps\": 30.0", "\"fps\": [30, 15]");
+    let gripper = r#"{"format": "bendtwin-grippers", "version": 1, "grippers": [{"widths": [0.01, 0.02, 0.03, 0.04],
+        "poses": [[0, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0, 0, 0, 1], [2, 0, 0, 0, 0, 0, 1]]}]}"#;
+    files.insert("grippers.json".into(), gripper.as_bytes().to_vec());
+    let (_guard, recording) = opened(&files);
+    assert_eq!(recording.frame_count, 4);
+    let color = |camera: usize, frame: usize| {
+        let mut frames = recording.source.frames(camera).unwrap();
+        frames.color(frame).unwrap().map(|color| color.get(0, 0))
+    };
+    assert_eq!(color(0, 3), Some(Some(color_at(0, 3, 0, 0))));
+    assert_eq!(color(1, 0), Some(Some(color_at(1, 1, 0, 0))));
+    assert_eq!((color(1, 2), color(1, 3)), (Some(Some(color_at(1, 2, 0, 0))), None));
+    assert_eq!(recording.source.color_stem(1, 2).as_deref(), Some("2"));
+    assert!(recording.notes.iter().any(|note| note.code == "FRAMES_SHARED"));
+    // Grippers are given in the same frames, as far as images have numbers.
+    let gripper = &recording.grippers[0];
+    let x = |frame: usize| gripper.poses[frame].map(|pose| pose.translation[0]);
+    assert_eq!([x(0), x(1), x(2), x(3)], [Some(1.0), Some(2.0), None, None]);
+    assert_eq!((gripper.widths_m.len(), gripper.widths_m[1]), (4, 0.04));
+}
+
 /// Each camera counts on its own, and `recording` has the times.
 #[test]
 fn images_before_the_alignment_are_assigned_by_their_times() {

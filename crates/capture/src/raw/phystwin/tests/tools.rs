@@ -475,7 +475,13 @@ fn masks_are_added_to_a_recording_of_any_format() {
     more.insert("mask/1/9.png".into(), gray(&labels()));
     let (_guard, path) = archive(&more);
     let error = open().with_mask_files(&path, &Limits::default());
+    assert!(error.as_ref().is_err_and(|error| error.to_string().contains("has 4 frames")));
     assert_eq!(reason(error), "FRAME_NUMBERS_UNCLEAR");
+    let mut unclear = below("mask/");
+    unclear.extend([document("mask/labels.json", &json!({"1": "toy robot", "2": "hand"}))]);
+    let (_guard, path) = archive(&unclear);
+    let error = open().with_mask_files(&path, &Limits::default()).unwrap_err().to_string();
+    assert!(error.contains("beside masks that are added `labels.json`"), "{error}");
     let (_guard, path) = archive(&FileMap::from([("readme.txt".to_owned(), b"no".to_vec())]));
     let error = open().with_mask_files(&path, &Limits::default()).unwrap_err();
     assert!(error.to_string().contains("docs/use/cameras.md#masks"), "{error}");
@@ -483,4 +489,12 @@ fn masks_are_added_to_a_recording_of_any_format() {
     let recording = open().with_mask_files(&path, &Limits::default()).unwrap();
     assert!(recording.source.frames(0).unwrap().mask(0, Region::Object).unwrap().is_some());
     assert!(recording.source.frames(1).unwrap().mask(0, Region::Object).unwrap().is_none());
+}
+
+/// Each may have nothing to show, and is decoded to find out.
+#[test]
+fn many_files_of_all_frames_are_refused_before_they_are_decoded() {
+    let mut files = bare();
+    files.extend((0..65).map(|i| (format!("mask/0/{i}_of_65_x.npy"), b"none".to_vec())));
+    assert!(matches!(describe(&files), Err(Error::TooMany { .. })));
 }
