@@ -217,7 +217,7 @@ impl Preparing<'_> {
     fn calibrate(&mut self, calibration: Calibration, from: &str) {
         match calibration.apply(&mut self.made.recording) {
             Ok(()) => {
-                self.made.recording.sources.take("pose", None, from, &calibration.source);
+                calibration.tell(&mut self.made.recording.sources, from);
                 let is_moved = ["correction", "ground"].contains(&calibration.source.as_str());
                 // What moves a measured calibration leaves its lenses and errors.
                 self.made.calibration = Some(match self.made.calibration.take() {
