@@ -45,7 +45,7 @@ describe('files that are added to a recording', () => {
     await visit.close();
   });
 
-  it('that are no calibration are refused at once, in words', async () => {
+  it('that are no calibration are refused immediately, in words', async () => {
     const viewport = { width: 360, height: 740 };
     const visit = await Visit.open(browser, server, { at: `/${capture}`, viewport, colorScheme: 'dark' });
     visit.allow(/status of 400/);

@@ -27,7 +27,7 @@ describe('uploads', () => {
 
   const all = async (): Promise<Captures['captures']> => (await call<Captures>(server, 'GET', '/v1/captures')).captures;
 
-  it('begin where a file and a folder are dropped, on whatever page', async () => {
+  it('begin where a file and a folder are dropped, on any page', async () => {
     const visit = await Visit.open(browser, server, { at: '/workers' });
     await visit.heading('Workers');
     await drop(visit.page, [rope, toy], () => visit.stop('upload-drop'));

@@ -55,7 +55,7 @@ def stand_in(monkeypatch, **modules):
 
 
 class Tensor:
-    """As much of a tensor as the scripts use."""
+    """The part of a tensor that the scripts use."""
 
     def __init__(self, array):
         self.array = array

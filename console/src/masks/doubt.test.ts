@@ -6,7 +6,7 @@ it('doubt has levels in words', () => {
   expect(words).toEqual(['sure', 'sure', 'some doubt', 'some doubt', 'doubtful', 'doubtful', undefined, undefined]);
 });
 
-it('the doubt of a camera is told in words', () => {
+it('the doubt of a camera is stated in words', () => {
   expect(summary([0, 0.05, 0.1])).toBe('sure in all frames');
   expect(summary([null, null])).toBe('no images');
   expect(summary([0, 0.9, 0])).toBe('doubtful in frame 1');

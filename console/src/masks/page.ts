@@ -110,7 +110,7 @@ class MasksPage {
       if (sequence === undefined || sequence.cameras.length === 0) {
         this.#explain('This capture has no images to mark: its points were tracked already.');
       } else if (hasSeveralRecordings(file.head)) {
-        this.#explain('This capture has several recordings: send each as a capture of its own to mark it.');
+        this.#explain('This capture has several recordings: send each by itself to mark it.');
       } else {
         this.#workspace = new Workspace(file, sequence, this.#frame, {
           context,
@@ -193,7 +193,7 @@ class MasksPage {
     this.#strokeList?.show();
     this.#workspace?.showStrokes();
     this.#job.update(capture.ingest);
-    // How a reading ended that followed no marks is told on the page of the capture.
+    // The page of the capture says how a reading ended that followed no marks.
     this.#job.element.hidden = !isUnderWay && sent.length === 0;
     const hasMasks = this.#workspace?.hasMasks ?? false;
     const canUse = isHere && !isUnderWay && isRead && hasMasks && !isNew && sent.length > 0 && !hasPoints(capture);

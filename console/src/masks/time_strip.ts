@@ -79,7 +79,7 @@ export class TimeStrip {
     this.#images.dispose();
   }
 
-  /** Fetches the images for the present width, unless it stays as it is. */
+  /** Fetches the images for the present width, unless it has not changed. */
   #later(): void {
     clearTimeout(this.#pause);
     this.#draw();
@@ -103,7 +103,7 @@ export class TimeStrip {
     }
   }
 
-  /** The image of a frame with its masks, as large as it is drawn. */
+  /** The image of a frame with its masks, in the size of its drawing. */
   #pictureOf(frame: number): OffscreenCanvas | null {
     const image = this.#images.at(frame);
     if (image === null || image === undefined) return null;

@@ -73,7 +73,7 @@ async function paint({ image, masks, camera, board, codes }: Job): Promise<strin
   const { fx, fy, cx, cy, pose } = camera;
   const { width, height, data } = pixels;
   const PARTS = 3;
-  /** Brightness of the board where a pixel sees it, or is so many squares away. */
+  /** Brightness of the board where a pixel sees it, or is that number of squares away. */
   const seen = (column: number, row: number, away: number): number | null => {
     const [dx, dy] = [(column - cx) / fx, (row - cy) / fy];
     const along = (k: number): number => pose[4 * k]! * dx + pose[4 * k + 1]! * dy + pose[4 * k + 2]!;

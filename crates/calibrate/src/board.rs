@@ -36,7 +36,7 @@ const FEW_CORNERS: usize = 8;
 /// Distance between corners and where the calibration has them that a good calibration keeps [px].
 const GOOD_PX: f64 = 0.6;
 
-/// What the board told.
+/// What was learnt from the board.
 #[derive(Clone, Debug)]
 pub struct BoardCalibration {
     /// Poses of all cameras; absent if one of them could not be placed.

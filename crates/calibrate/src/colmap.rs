@@ -50,7 +50,7 @@ fn folder_of(path: &Path) -> Option<PathBuf> {
 /// Reads the model at a path.
 ///
 /// # Errors
-/// If there is none, or it is damaged.
+/// If it is missing or damaged.
 pub fn open(path: &Path) -> Result<Model, Error> {
     let at = path.display().to_string();
     let Some(folder) = folder_of(path) else {

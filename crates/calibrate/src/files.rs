@@ -45,7 +45,7 @@ impl Unit {
 /// A camera as a file describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Described {
-    /// Its name, topic or key, if it has one.
+    /// Name, topic or key of the camera, if it has one.
     pub name: String,
     /// Columns and rows of its images.
     pub size: Option<[usize; 2]>,
@@ -78,7 +78,7 @@ pub struct Imported {
 /// Reads the cameras of a file.
 ///
 /// # Errors
-/// If it is none of the formats, damaged, too large, or of a camera model that is not supported.
+/// If its format is unknown, or it is damaged, too large, or of a camera model that is not supported.
 pub fn read(path: &Path) -> Result<Cameras, Error> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let at = path.display().to_string();

@@ -411,7 +411,7 @@ pub enum Error {
         /// Columns and rows that the CameraInfo describes.
         lens: [usize; 2],
     },
-    /// Topics of images between which nothing decides, or none that is read.
+    /// Topics of images between which nothing decides, or which are all not read.
     #[error("{0}")]
     #[problem(InvalidArgument, "TOPICS_UNCLEAR")]
     Topics(String),

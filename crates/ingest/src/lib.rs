@@ -74,7 +74,7 @@ impl Observed {
     /// The capture that is fitted.
     ///
     /// # Errors
-    /// The fault for which there is none.
+    /// The fault for which it is missing.
     pub fn points(self) -> Result<Capture, Fault> {
         self.capture?.ok_or_else(|| Fault {
             category: Category::FailedPrecondition,

@@ -264,7 +264,7 @@ codes! {
 }
 
 impl Code {
-    /// The code of this name; a reader's reason is none.
+    /// The code of this name; a reader's reason is not among them.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|code| code.name() == name)
     }

@@ -54,7 +54,7 @@ pub const MODELS: &[Fault] = &[
 
 /// Cases with a faulty `calibration.json`.
 pub const IN_CAPTURES: &[Fault] = &[Fault {
-    what: "a capture with a calibration of its own with a fault",
+    what: "a capture with a faulty calibration",
     make: |rng| {
         let text = if rng.random() {
             documents::numbers(rng, JSON.as_bytes())

@@ -66,7 +66,7 @@ enum Unit {
     Mm,
 }
 
-/// A calibration, or why there is none.
+/// A calibration, or why it is missing.
 #[derive(Default)]
 struct Outcome {
     calibration: Option<Calibration>,

@@ -12,7 +12,7 @@ const VERDICTS: Record<string, string> = {
   unusable: 'This recording cannot be fitted.',
 };
 
-/** What can be done about a finding at once, such as a button. */
+/** What can be done about a finding here, such as a button. */
 export type Remedy = (finding: Finding) => Child;
 
 /** The verdict in words, and the findings in the order of repair. */

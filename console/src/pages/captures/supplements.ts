@@ -102,7 +102,7 @@ export class Supplements {
     input.disabled = false;
   }
 
-  /** Shows the capture as it is now, and offers to read it again with it. */
+  /** Shows the present capture, and offers to read it again with it. */
   #changed(capture: Capture, text: string, change: Settings): void {
     const { context } = this;
     this.show(capture);

@@ -55,7 +55,7 @@ test('markers of motion capture are captures', async () => {
   expect(await Promise.all(refused.map(contentOf))).toEqual(refused.map(() => 'other'));
 });
 
-test('a document alone is told where it belongs', () => {
+test('a document alone is refused with the place where it belongs', () => {
   expect(refusal('transforms.json', 'other')).toContain('drop the folder that it belongs to');
   expect(refusal('a.txt', 'other')).toContain('send a folder');
 });

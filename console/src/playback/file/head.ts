@@ -34,7 +34,7 @@ export interface CameraHead {
   };
   /** Run lengths of the masks of each image, if there are masks. */
   readonly masks?: { readonly lengths: readonly number[]; readonly bytes: Range } | null;
-  /** Doubt in the masks of each frame, 0..=1; null where there is none. Only of masks that strokes made. */
+  /** Doubt in the masks of each frame, 0..=1; null where it is unknown. Only of masks that strokes made. */
   readonly doubt?: readonly (number | null)[] | null;
 }
 

@@ -1,6 +1,6 @@
 //! Bundle adjustment: poses of cameras and of a board that together put its corners nearest to where
 //! they were seen, by the method of Levenberg and Marquardt with Huber's weights (Triggs et al.,
-//! *Bundle adjustment: a modern synthesis*, 2000). Lenses and the board's shape stay as they are.
+//! *Bundle adjustment: a modern synthesis*, 2000). Lenses and the board's shape do not change.
 
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix2x6, Matrix3, Translation3, UnitQuaternion, Vector3,

@@ -44,7 +44,7 @@ pub(crate) fn decode(
     dictionary: &Dictionary,
     count: usize,
 ) -> Vec<Decoded> {
-    // A wrong module in four still leaves a marker of its own; more where codes are far apart.
+    // A wrong module in four still leaves a marker that is no other; more where codes are far apart.
     let most = match dictionary.side() {
         4 => 0,
         5 => 1,

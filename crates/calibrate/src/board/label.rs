@@ -31,7 +31,7 @@ pub(crate) struct Seen {
 /// The board in an image.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sighting {
-    /// Its corners, ascending by their index.
+    /// Corners of the board, ascending by their index.
     pub(crate) seen: Vec<Seen>,
     /// Markers that agree with the board.
     pub(crate) markers: usize,

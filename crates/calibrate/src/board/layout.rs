@@ -11,13 +11,13 @@ use crate::Error;
 /// A board.
 #[derive(Clone, Debug)]
 pub struct Board {
-    /// As it was described.
+    /// Description of the board.
     pub settings: BoardSettings,
     /// Dictionary of its markers.
     pub dictionary: Dictionary,
     /// Places of the corners that are measured [m].
     pub corners: Vec<[f64; 2]>,
-    /// Its markers, by id.
+    /// Markers by id.
     pub markers: Vec<Marker>,
 }
 

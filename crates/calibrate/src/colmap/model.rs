@@ -8,7 +8,7 @@ use crate::Error;
 /// A camera of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelCamera {
-    /// Its number.
+    /// Number in the model.
     pub id: u32,
     /// Number of its kind of lens in COLMAP.
     pub kind: i32,
@@ -36,7 +36,7 @@ pub struct ModelImage {
 /// A point of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelPoint {
-    /// Its number.
+    /// Number in the model.
     pub id: u64,
     /// Place in the model's world.
     pub at: [f64; 3],

@@ -5,7 +5,7 @@ use bendtwin_capture::raw::{Distortion, Intrinsics, Pose};
 
 use super::{Described, matrix, value::Value};
 
-/// The cameras of a chain; `None` if it is none.
+/// The cameras of a chain; `None` if it is another document.
 pub(super) fn cameras(document: &Value) -> Result<Option<Vec<Described>>, String> {
     let chain: Vec<&(String, Value)> = document
         .entries()

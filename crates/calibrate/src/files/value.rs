@@ -1,4 +1,4 @@
-//! A document as a tree, whatever format it was in.
+//! A document of any format as a tree.
 
 /// Most values in a document.
 pub(super) const MAX_VALUES: usize = 200_000;

@@ -105,7 +105,7 @@ impl Storage<'_> {
         }
     }
 
-    /// Bytes `start..start + length` as a file of their own; none if they are borrowed.
+    /// Bytes `start..start + length` as a separate file; none if they are borrowed.
     pub(super) fn section(&self, start: u64, length: u64) -> Option<Section> {
         match self {
             Self::File(reader) => {

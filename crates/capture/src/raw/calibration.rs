@@ -1,4 +1,4 @@
-//! A calibration as a document of its own, `calibration.json`: poses of cameras, their lenses and
+//! A calibration as a separate document, `calibration.json`: poses of cameras, their lenses and
 //! the ground, measured or converted apart from the recording. World in metres with z up, OpenCV's
 //! camera axes, camera to world.
 
@@ -53,7 +53,7 @@ impl Calibration {
     }
 
     /// `true` if a file of its name is one, and not another program's. One that is broken counts, so
-    /// that its fault is told.
+    /// that its fault is reported.
     pub(super) fn is_one(bytes: &[u8]) -> bool {
         document::is_one(bytes)
     }
@@ -63,7 +63,7 @@ impl Calibration {
         document::write(self)
     }
 
-    /// Lenses and poses of a recording as they are, in frame 0 if cameras move.
+    /// Lenses and poses of a recording, in frame 0 if cameras move.
     pub fn of(recording: &Recording, source: &str) -> Self {
         let cameras = recording.cameras.iter().map(|camera| CalibratedCamera {
             name: camera.name.clone(),

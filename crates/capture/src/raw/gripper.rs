@@ -28,7 +28,7 @@ const MAX_WIDTH_M: f64 = 1.0;
 pub struct Gripper {
     /// A person's name for it.
     pub name: String,
-    /// Its pose in the world in each frame [T]; `None` where it is unknown.
+    /// Pose in the world in each frame [T]; `None` where it is unknown.
     pub poses: Vec<Option<Pose>>,
     /// Distance between the fingers in each frame [T] [m], NaN where it is unknown; empty if it was not
     /// recorded.

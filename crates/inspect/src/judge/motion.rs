@@ -151,8 +151,8 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
     }
 }
 
-/// True if a long step leads where the steps before and after it lead: a missing frame leaves the way as
-/// it is, noise does not.
+/// True if a long step leads where the steps before and after it lead: a missing frame does not bend the
+/// way, noise does.
 fn keeps_way(path: &Path, frame: usize) -> bool {
     let way = |from: usize, to: usize| {
         let at = |f: usize| path.get(f).copied().flatten();

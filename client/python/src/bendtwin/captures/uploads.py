@@ -98,17 +98,17 @@ class Sender:
         while True:
             try:
                 if url is None:
-                    told = self._ask("POST", f"{self._server}{_UPLOADS}", self._creation())
-                    url = _address(self._server, told.get("location", ""))
+                    answer = self._ask("POST", f"{self._server}{_UPLOADS}", self._creation())
+                    url = _address(self._server, answer.get("location", ""))
                 elif offset is None:
-                    told = self._ask("HEAD", url, {})
+                    answer = self._ask("HEAD", url, {})
                 else:
-                    told = self._send_part(url, offset)
-                reached = int(told.get("upload-offset", 0))
+                    answer = self._send_part(url, offset)
+                reached = int(answer.get("upload-offset", 0))
                 if on_progress is not None:
                     on_progress(reached, self._length)
-                if "bendtwin-capture" in told:
-                    return told["bendtwin-capture"]
+                if "bendtwin-capture" in answer:
+                    return answer["bendtwin-capture"]
                 moved = reached != offset and reached < self._length
                 offset = reached if reached < self._length else None
                 if reached > most:

@@ -80,7 +80,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         read_mesh(&mut files, entry, &frame)
     });
     let mesh = mesh.transpose()?;
-    // Their poses are in metres, whatever the unit of the bundle's points.
+    // Poses of grippers are in metres for any unit of the bundle's points.
     let turned = Frame { metres: 1.0, ..frame };
     let grippers = gripper::find(&mut files, frame_count, &turned, &mut sources)?;
     let chosen = probe::chosen_turn(section.image_orientation.as_deref(), MARKER)?;

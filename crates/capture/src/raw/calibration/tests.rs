@@ -167,7 +167,7 @@ fn ground_and_gravity_change_where_the_world_does() {
 #[test]
 fn what_it_has_is_listed_in_place_of_what_it_replaces() {
     let mut calibration = Calibration::of(&three(["a", "b", "c"]), "board");
-    let told = |calibration: &Calibration| {
+    let taken_of = |calibration: &Calibration| {
         let mut sources = Sources::default();
         sources.take("lens", None, "metadata.json", "");
         sources.take("pose", Some("a"), "calibrate.pkl", "");
@@ -176,7 +176,7 @@ fn what_it_has_is_listed_in_place_of_what_it_replaces() {
         sources.lines().collect::<Vec<_>>()
     };
     let all = ["lens: calibration.json (board)", "pose: calibration.json (board)"];
-    assert_eq!(told(&calibration), all);
+    assert_eq!(taken_of(&calibration), all);
     for camera in &mut calibration.cameras {
         (camera.intrinsics, camera.distortion) = (None, None);
     }
@@ -184,7 +184,7 @@ fn what_it_has_is_listed_in_place_of_what_it_replaces() {
     calibration.cameras.truncate(2);
     let some =
         ["lens: metadata.json", "pose of a: calibrate.pkl", "pose of b: calibration.json (board)"];
-    assert_eq!(told(&calibration), some);
+    assert_eq!(taken_of(&calibration), some);
 }
 
 #[test]

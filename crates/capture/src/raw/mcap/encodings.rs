@@ -19,7 +19,7 @@ pub(super) enum Meaning {
     },
     Object,
     Manipulator,
-    /// None of these, with the reason.
+    /// Another encoding, with the reason for which it is not read.
     Other(String),
 }
 
@@ -32,7 +32,7 @@ pub(super) enum Pixels {
     Yuv422([usize; 4]),
     /// All lumas, then pairs of differences for 2 x 2 pixels, blue's first or second.
     Nv { blue: usize },
-    /// One colour for each pixel, as indices of red, green and blue in 2 x 2 pixels.
+    /// A single colour for each pixel, as indices of red, green and blue in 2 x 2 pixels.
     Bayer { pattern: [usize; 4], deep: bool },
 }
 

@@ -154,7 +154,7 @@ pub(super) fn stem(name: &str) -> String {
     name[..at.unwrap_or(name.len())].to_owned()
 }
 
-/// By the text before the number at the end, then by that number.
+/// Compares the text before the number at the end, then that number.
 fn order(name: &str) -> (String, u64, String) {
     let stem = stem(name);
     let text = stem.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();

@@ -360,7 +360,7 @@ struct Message<'a> {
 }
 
 impl<'a> Message<'a> {
-    /// Its content as it lies there, of at most `cap` bytes.
+    /// Stored content, of at most `cap` bytes.
     fn read(&self, part: &Part, cap: u64) -> Result<Cow<'a, [u8]>, Error> {
         if self.place.length > cap {
             let what = format!("a message in `{}`", part.name);

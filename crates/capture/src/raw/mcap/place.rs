@@ -128,7 +128,7 @@ impl Store {
 }
 
 /// A message of ROS 2 as `ros2 bag record --compression-mode message` writes it, unpacked to at most
-/// `cap` bytes; any other message as it is. CDR begins with other bytes than Zstandard.
+/// `cap` bytes; any other message unchanged. CDR begins with other bytes than Zstandard.
 pub(super) fn unpacked(wire: Wire, bytes: &[u8], cap: u64) -> Result<Cow<'_, [u8]>, String> {
     if !is_packed(wire, bytes) {
         return Ok(Cow::Borrowed(bytes));

@@ -271,7 +271,7 @@ fn image_size(store: &mut Store, index: &Index, topic: &Topic) -> Result<Option<
 }
 
 /// The calibration of a colour topic's frame, with its topic: of those of the images' size, or of all
-/// if there is none, the one with the most similar name.
+/// without one, the one with the most similar name.
 fn calibration<'a>(
     index: &'a Index,
     color: &Topic,

@@ -16,7 +16,7 @@ const MAX_DEPTH: usize = 64;
 /// Pose of each frame in its parents.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
-    /// By child, then by parent.
+    /// Edges by child, then by parent.
     edges: BTreeMap<String, BTreeMap<String, Edge>>,
     /// The parents that count of frames with several.
     chosen: BTreeMap<String, String>,

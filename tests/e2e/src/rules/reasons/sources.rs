@@ -34,11 +34,12 @@ const FINDERS: [&str; 8] = [
 ];
 
 /// Files with words in capitals of other vocabularies.
-const OTHERS: [&str; 8] = [
+const OTHERS: [&str; 9] = [
     "client/cli/src/demo/playground.rs",
     "client/cli/src/rollout/implausible.rs",
     "crates/calibrate/src/board/dictionary.rs",
     "crates/calibrate/src/colmap/model.rs",
+    "crates/capture/src/mocap/markers/c3d.rs",
     "crates/capture/src/raw/nerfstudio/",
     "crates/contract/src/rollout/implausible.rs",
     "crates/cuda/",
@@ -96,7 +97,8 @@ pub(super) fn read() -> Catalogue {
             words: &mut words,
             file: &name,
             loose: Vec::new(),
-            finds: FINDERS.iter().any(|finder| name.starts_with(finder)),
+            finds: FINDERS.iter().any(|finder| name.starts_with(finder))
+                && !OTHERS.iter().any(|other| name.starts_with(other)),
             status: None,
             category: None,
         };

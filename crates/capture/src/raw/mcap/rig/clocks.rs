@@ -15,7 +15,7 @@ const RATE: f64 = 0.2;
 /// Delays from stamp to recording of a topic [ns].
 struct Delay {
     median_ns: i64,
-    /// `true` if its stamps go on as fast as the recording.
+    /// `true` if its stamps advance as fast as the recording.
     runs: bool,
     /// First and last time of recording [ns].
     recorded: (i64, i64),

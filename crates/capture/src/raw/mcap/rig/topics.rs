@@ -199,7 +199,7 @@ struct Candidate<'a> {
     gray: bool,
 }
 
-/// One of the colour topics of a frame, which must be of one device and one view: colour rather than
+/// Chooses among the colour topics of a frame, which must be of one device and one view: colour rather than
 /// gray, rectified as depth is, `rgb` or `color` rather than another name, the one with more images.
 fn one_view<'a>(
     frame_id: &str,

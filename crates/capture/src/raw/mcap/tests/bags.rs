@@ -74,7 +74,7 @@ fn a_folder_with_one_file_is_opened() {
 #[test]
 fn a_split_recording_is_one() {
     let mut files = bag(["bag_0.mcap", "bag_1.mcap"], split());
-    // By names and times alone, in whatever order the names sort.
+    // By names and times alone, in any order of the names.
     expect_all(opened(&files).1);
     expect_all(opened(&bag(["run_10.mcap", "run_9.mcap"], split())).1);
     expect_all(opened(&bag(["a.mcap", "B.MCAP"], split())).1);

@@ -146,7 +146,7 @@ fn a_camera_whose_own_depth_is_in_another_frame_is_refused() {
     let (code, text) = fault(&[camera(0, "/cam0"), own.concat()].concat());
     assert_eq!(code, "DEPTH_NOT_ALIGNED");
     assert!(text.contains("/cam1/depth/image_raw in cam1_ir"), "{text}");
-    // Whatever the cameras are called.
+    // With any names of the cameras.
     let right = [without(camera(1, "/right"), "depth"), depths(1, "/right/depth/image", "ir")];
     let (code, _) = fault(&[camera(0, "/left"), right.concat()].concat());
     assert_eq!(code, "DEPTH_NOT_ALIGNED");

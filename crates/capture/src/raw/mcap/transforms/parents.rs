@@ -1,5 +1,5 @@
 //! Frames with several parents: a driver and a calibration that both place a camera. ROS would jump
-//! between them; here the one that leads to the world counts, whatever the order in the file.
+//! between them; here the one that leads to the world counts, in any order of the file.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -30,7 +30,7 @@ impl Tree {
     /// Decides which parent counts of every frame at or above one of `cameras` that has several:
     /// the only one below the world; else, of several below it, the one with the shortest way to it,
     /// if it is fixed: a calibration of this frame is more specific than the mount of its device.
-    /// The world is the frame `named` or, if there is none, `world` or what all cameras share.
+    /// The world is the frame `named` or, without one, `world` or what all cameras share.
     pub(in crate::raw::mcap) fn settle_parents(
         &mut self,
         cameras: &[&str],

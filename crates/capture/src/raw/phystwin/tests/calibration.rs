@@ -33,7 +33,7 @@ fn a_calibration_of_its_own_replaces_that_of_the_case() {
         camera.distortion = Some(Distortion::BrownConrady([0.1; 8]));
     }
     let recording = opened(&with(&calibration)).unwrap();
-    // It has z up, whatever the case says.
+    // It has z up, against what the case says.
     assert_eq!(recording.cameras[1].poses[0].translation, [0.5, 0.0, 2.0]);
     assert_eq!(recording.cameras[1].distortion, Distortion::BrownConrady([0.1; 8]));
     assert!(recording.sources.lines().any(|line| line.contains("calibration.json (board)")));

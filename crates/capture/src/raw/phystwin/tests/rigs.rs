@@ -219,7 +219,7 @@ fn cameras_may_begin_at_different_times() {
     );
 }
 
-/// Its images last longer than their numbers say.
+/// Images that last longer than their numbers say.
 #[test]
 fn a_slow_camera_may_begin_with_the_end_of_a_fast_one() {
     // Frames 2 to 5 of camera 0 and 0 to 6 of camera 1.
