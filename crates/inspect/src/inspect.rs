@@ -5,7 +5,7 @@ use bendtwin_core::{CancelToken, settings::ingest::IngestSettings};
 
 use crate::{
     Code, Error, Finding,
-    inspection::{Inspection, Kind},
+    inspection::{CameraReport, Inspection, Kind},
     judge,
     picture_inputs::PictureInputs,
     scan::scan,
@@ -85,6 +85,7 @@ fn blank(recording: &Recording) -> Inspection {
         frame_count: recording.frame_count,
         train_frame_count: recording.train_frame_count,
         sources: recording.sources.clone(),
+        cameras: recording.cameras.iter().map(CameraReport::of).collect(),
         ..Inspection::unread(&recording.name)
     };
     inspection.add(recording.notes.iter().cloned());

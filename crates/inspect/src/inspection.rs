@@ -2,7 +2,7 @@
 
 use bendtwin_capture::{
     Sources,
-    raw::{Calibration, Pose, Recording},
+    raw::{Calibration, Camera, Pose, Recording},
 };
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
@@ -133,6 +133,14 @@ pub struct CameraReport {
     pub tracks: Option<TrackReport>,
     /// Agreement with the other cameras.
     pub agreement: Option<Agreement>,
+}
+
+impl CameraReport {
+    /// The report of a camera whose frames were not looked at.
+    pub(crate) fn of(camera: &Camera) -> Self {
+        let Camera { name, width, height, .. } = camera;
+        Self { name: name.clone(), width: *width, height: *height, ..Self::default() }
+    }
 }
 
 /// 2D tracks of one camera.

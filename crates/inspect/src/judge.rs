@@ -60,12 +60,7 @@ pub(crate) fn judge(
     let upright = Upright::of(&recording.environment);
     let paths = Paths::of(recording, scans);
     let context = Context { recording, scans, settings, thresholds, upright, paths };
-    let cameras = recording.cameras.iter().map(|camera| CameraReport {
-        name: camera.name.clone(),
-        width: camera.width,
-        height: camera.height,
-        ..CameraReport::default()
-    });
+    let cameras = recording.cameras.iter().map(CameraReport::of);
     let mut assessment = Assessment { cameras: cameras.collect(), ..Assessment::default() };
     recording::judge(&context, &mut assessment);
     calibration::judge(&context, &mut assessment);

@@ -23,7 +23,7 @@ fn frames() -> Vec<Broken> {
         footage("a camera that starts six frames late", "FRAMES_DROPPED", |f| {
             f.retime(1, |frame| (frame >= 6).then_some(frame));
         }),
-        footage("a camera that stops half-way", "FRAMES_DROPPED", |f| {
+        footage("a camera that stops half-way", "CAMERA_RATE_UNCLEAR", |f| {
             f.retime(0, |frame| (frame < FRAMES / 2).then_some(frame));
         }),
         footage("a gap of eight frames in all cameras", "FRAMES_DROPPED", |f| {
@@ -54,7 +54,7 @@ fn frames() -> Vec<Broken> {
             order.sort_by_key(usize::to_string);
             (0..3).for_each(|c| f.retime(c, |frame| order.get(frame).copied()));
         }),
-        footage("a camera that runs backwards", "CAMERAS_SKEWED", |f| {
+        footage("a camera that runs backwards", "CAMERA_OFF", |f| {
             f.retime(1, |frame| Some(FRAMES - 1 - frame));
         }),
         footage("a camera that starts four frames early", "CAMERAS_SKEWED", |f| {

@@ -44,7 +44,7 @@ fn time() -> Vec<Broken> {
         }),
         broken(
             "a camera that closes up what it drops",
-            Noticed("FRAMES_SKIPPED"),
+            Found("CAMERAS_SKEWED"),
             Make::Footage(|f| {
                 without_times(f);
                 f.retime(2, |frame| Some((frame * 4 / 3).min(FRAMES - 1)));

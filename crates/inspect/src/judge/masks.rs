@@ -273,15 +273,19 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     let limits = &context.thresholds.masks;
     let Some(camera) = context.recording.cameras.get(index) else { return };
     let small = limits.min_area_share * (camera.width * camera.height) as f64;
-    // Masks at the border are those of an object that leaves the view, and empty ones have a separate
-    // finding.
-    let area = |g: &FrameStats| g.object.filter(|o| o.area_px > 0 && !o.at_border);
-    let areas: Vec<Option<f64>> =
-        scan.frames.iter().map(|g| Some(area(g)?.area_px as f64)).collect();
-    // How much the area grows from one frame to the next.
+    // Empty masks have a separate finding.
+    let shown: Vec<Option<(f64, bool)>> = scan
+        .frames
+        .iter()
+        .map(|g| g.object.filter(|o| o.area_px > 0).map(|o| (o.area_px as f64, o.at_border)))
+        .collect();
+    let areas: Vec<Option<f64>> = shown.iter().map(|s| s.map(|(area, _)| area)).collect();
+    // How much the area grows from one frame to the next. The smaller one at the border is that of an
+    // object that leaves the view.
     let growth = |frame: usize| {
-        let (before, now) = (areas.get(frame.checked_sub(1)?)?, areas.get(frame)?);
-        Some((*now)?.ln() - (*before)?.ln())
+        let (before, now) = ((*shown.get(frame.checked_sub(1)?)?)?, (*shown.get(frame)?)?);
+        let smaller = if before.0 < now.0 { before } else { now };
+        (!smaller.1).then(|| now.0.ln() - before.0.ln())
     };
     let mut frames = Vec::new();
     let mut worst = 1.0_f64;

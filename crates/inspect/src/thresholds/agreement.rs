@@ -50,8 +50,8 @@ pub(crate) struct AgreementThresholds {
     pub(crate) min_inconsistent_misfit: f64,
     /// Share of the misfit that may remain without such a camera, 0..=1. Chosen by hand.
     pub(crate) max_without_ratio: f64,
-    /// Relative error of a depth scale that is no fault. Chosen by hand; the data sheet of the
-    /// RealSense D435 promises errors below 2 % at 2 m.
+    /// Relative error of a depth scale that is no fault. In healthy recordings at most 3 % are
+    /// measured; the data sheet of the RealSense D435 promises errors below 2 % at 2 m.
     pub(crate) max_scale_error: f64,
     /// Relative error of a depth scale from which it is an error. Chosen by hand.
     pub(crate) bad_scale_error: f64,
@@ -84,7 +84,7 @@ impl Default for AgreementThresholds {
             min_compared: 51,
             min_inconsistent_misfit: 0.15,
             max_without_ratio: 0.35,
-            max_scale_error: 0.015,
+            max_scale_error: 0.035,
             bad_scale_error: 0.04,
             min_unit_log10: 0.5,
             unit_log10_tolerance: 0.02,

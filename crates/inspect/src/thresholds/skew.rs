@@ -48,7 +48,7 @@ impl Default for SkewThresholds {
             max_skew_frames: 0.8,
             bad_skew_s: 0.1,
             bad_skew_frames: 3.0,
-            max_drift_frames: 1.8,
+            max_drift_frames: 3.0,
         }
     }
 }

@@ -23,8 +23,8 @@ pub(super) fn judge(context: &Context<'_>, index: usize) -> Option<Finding> {
     }
     let fps = (100.0 * context.recording.fps / ratio).round() / 100.0;
     let message = format!(
-        "{} has {} images and the recording {all} frames, as a camera of {fps} fps has if its images are numbered one after \
-         another",
+        "{} has {} images and the recording {all} frames: it stopped, or is one of {fps} fps whose images are numbered one \
+         after another",
         named(context.recording, index),
         present(scan).count(),
     );
