@@ -119,7 +119,7 @@ fn files_in_disguise_are_named_with_what_to_do() {
         ("toy.pkl.gz", gzip(b"text"), "gunzip toy.pkl.gz"),
         ("toy.7z", b"7z\xbc\xaf\x27\x1c".to_vec(), "7z x toy.7z"),
         ("toy.tar.xz", b"\xfd7zXZ\0".to_vec(), "unxz toy.tar.xz"),
-        ("toy.mcap.zst", b"\x28\xb5\x2f\xfd".to_vec(), "write it again"),
+        ("toy.mcap.zst", b"\x28\xb5\x2f\xfd".to_vec(), "zstd"),
         ("train.pkl", b"\x80\x04N.".to_vec(), "docs/formats/capture.md, section 3"),
     ] {
         let folder = tempfile::tempdir().unwrap();
