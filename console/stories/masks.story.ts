@@ -53,6 +53,7 @@ describe('from cameras to a twin', () => {
     await page.getByRole('button', { name: 'Calibrate', exact: true }).click();
     await expect.poll(() => page.getByText('NOT_CALIBRATED').count(), LONG).toBe(0);
     await page.getByText('MASKS_MISSING').first().waitFor(LONG);
+    await page.locator('summary', { hasText: /^Calibration$/ }).click();
     await page.getByText('Reprojection error').waitFor();
     await visit.stop('cameras-calibrated');
     await page.getByRole('link', { name: 'Mark the object and the hand' }).first().click();
