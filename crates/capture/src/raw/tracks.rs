@@ -160,9 +160,9 @@ impl Layout {
     fn of(points: &Array<'_>, subject: &Subject<'_>) -> Result<Self, Error> {
         let is_row = |n: usize| n == subject.frame_count || n == subject.span.len();
         let shape = points.shape.strip_prefix(&[1]).filter(|rest| rest.len() == 3);
-        match shape.unwrap_or(&points.shape) {
-            &[rows, count, 2] if is_row(rows) => Ok(Self { rows, count, by_track: false }),
-            &[count, rows, 2] if is_row(rows) && subject.order == Order::Detected => {
+        match *shape.unwrap_or(&points.shape) {
+            [rows, count, 2] if is_row(rows) => Ok(Self { rows, count, by_track: false }),
+            [count, rows, 2] if is_row(rows) && subject.order == Order::Detected => {
                 Ok(Self { rows, count, by_track: true })
             }
             _ => Err(points.wrong_shape(&format!("[{}, N, 2]", subject.frame_count))),

@@ -69,7 +69,7 @@ fn damage_throughout_explains_the_cameras_that_it_empties() {
 fn what_a_finding_names_is_not_said_again() {
     let cause = Finding::warning("HELD_MARKERS_MISSING", "none is held").explains("NO_CONTROLS");
     let found = left(&[cause.clone(), Finding::warning("NO_CONTROLS", "none")]);
-    assert_eq!(found, [cause.clone()]);
+    assert_eq!(found, std::slice::from_ref(&cause));
     // A worse one is.
     assert_eq!(left(&[cause, Finding::error("NO_CONTROLS", "none")]).len(), 2);
 }

@@ -230,9 +230,9 @@ fn without_gaps(path: &Path, most: usize) -> Path {
         if to - from - 1 > most {
             continue;
         }
-        for frame in from + 1..to {
-            let share = (frame - from) as f64 / (to - from) as f64;
-            filled[frame] = Some(add(start, scaled(sub(end, start), share)));
+        for (passed, place) in filled[from + 1..to].iter_mut().enumerate() {
+            let share = (passed + 1) as f64 / (to - from) as f64;
+            *place = Some(add(start, scaled(sub(end, start), share)));
         }
     }
     filled

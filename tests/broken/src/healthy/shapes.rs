@@ -38,12 +38,14 @@ impl Shape {
             Self::Cable => line(40, 0.46, 0.01),
             Self::Ring => (0..26)
                 .map(|i| {
-                    let (s, c) = (TAU * i as f64 / 26.0).sin_cos();
+                    let (s, c) = (TAU * f64::from(i) / 26.0).sin_cos();
                     [0.09 * c, 0.09 * s, 0.018]
                 })
                 .collect(),
             Self::Cloth => (0..49)
-                .map(|i| [0.036 * (i % 7) as f64 - 0.108, 0.036 * (i / 7) as f64 - 0.108, 0.012])
+                .map(|i| {
+                    [0.036 * f64::from(i % 7) - 0.108, 0.036 * f64::from(i / 7) - 0.108, 0.012]
+                })
                 .collect(),
             Self::Block => vec![[0.0, 0.0, 0.04]],
             Self::Toy => vec![

@@ -92,6 +92,9 @@ enum Body {
     Table,
 }
 
+/// A frame and the view of it.
+type Drawn = (usize, Arc<View<Body>>);
+
 #[derive(Debug)]
 struct Stage {
     shape: Shape,
@@ -102,7 +105,7 @@ struct Stage {
     every: Vec<usize>,
     seed: u64,
     /// The last view of each camera: colour, depth and masks of a frame are one.
-    last: Vec<Mutex<Option<(usize, Arc<View<Body>>)>>>,
+    last: Vec<Mutex<Option<Drawn>>>,
 }
 
 /// A healthy recording and its name.

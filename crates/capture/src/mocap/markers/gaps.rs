@@ -29,9 +29,9 @@ impl Path {
             longest_gap = longest_gap.max(frame - start);
             let from = before.map(|b| points[b]);
             let to = (!is_end).then(|| points[frame]);
-            for inside in start..frame {
-                let share = (inside + 1 - start) as f32 / (frame + 1 - start) as f32;
-                points[inside] = match (from, to) {
+            for (index, inside) in points[start..frame].iter_mut().enumerate() {
+                let share = (index + 1) as f32 / (frame + 1 - start) as f32;
+                *inside = match (from, to) {
                     (Some(a), Some(b)) => std::array::from_fn(|i| a[i] + share * (b[i] - a[i])),
                     (Some(one), None) | (None, Some(one)) => one,
                     (None, None) => [f32::NAN; 3],

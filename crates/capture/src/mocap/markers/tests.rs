@@ -102,8 +102,8 @@ fn motive(units: &str, with_gripper: bool) -> String {
         axes[column].to_owned()
     });
     for frame in 0..30 {
-        let bend = 0.3 + 0.1 * frame as f64;
-        row(&frame.to_string(), &format!("{:.6}", frame as f64 / 60.0), &|thing, column| {
+        let bend = 0.3 + 0.1 * f64::from(frame);
+        row(&frame.to_string(), &format!("{:.6}", f64::from(frame) / 60.0), &|thing, column| {
             let angle = bend * 0.05 * thing as f64;
             let p = match thing {
                 0..8 => [angle.sin() / bend, 0.4 + (1.0 - angle.cos()) / bend, 0.2],
@@ -206,10 +206,10 @@ fn trc(up: usize) -> String {
     (1..=6).for_each(|i| text += &format!("X{i}\tY{i}\tZ{i}\t"));
     text += "\n\n";
     for frame in 0..12 {
-        text += &format!("{}\t{:.4}", frame + 1, frame as f64 / 50.0);
+        text += &format!("{}\t{:.4}", frame + 1, f64::from(frame) / 50.0);
         for i in 0..6 {
-            let bend = 0.5 + 0.3 * frame as f64;
-            let angle = bend * 0.06 * i as f64;
+            let bend = 0.5 + 0.3 * f64::from(frame);
+            let angle = bend * 0.06 * f64::from(i);
             let mut p = [-300.0; 3];
             p[(up + 1) % 3] = 1000.0 * angle.sin() / bend - 200.0;
             p[up] = 250.0 + 1000.0 * (1.0 - angle.cos()) / bend;

@@ -32,7 +32,8 @@ pub(super) struct Folders {
 /// `true` if a folder with these files is a case.
 pub(in crate::raw) fn is_case(contents: &Contents) -> bool {
     let folders = &contents.folders;
-    contents.has(MARKER) && (of_color(folders).next().is_some() || folders.iter().any(is_camera))
+    contents.has(MARKER)
+        && (of_color(folders).next().is_some() || folders.iter().any(|name| is_camera(name)))
 }
 
 /// Finds the folders of all cameras, whose names are given in their order.
@@ -155,7 +156,7 @@ fn depth(
 /// File of a camera's tracks; PhysTwin's name for it if no file is found.
 fn tracks(files: &Files<'_>, index: usize, name: &str) -> String {
     let named = |folder: &&str| [format!("{folder}/{index}.npz"), format!("{folder}/{name}.npz")];
-    let mut all = TRACKS.iter().flat_map(|folder| named(folder));
+    let mut all = TRACKS.iter().flat_map(named);
     all.find(|name| files.has(name)).unwrap_or_else(|| format!("{}/{index}.npz", TRACKS[0]))
 }
 
@@ -220,7 +221,7 @@ fn bare(name: &str) -> String {
 }
 
 /// `true` if a folder's name is a camera's: `cam0`, `camera_left`, a serial number.
-fn is_camera(name: &String) -> bool {
+fn is_camera(name: &str) -> bool {
     let lower = name.to_lowercase();
     let is_serial = lower.len() >= 6 && lower.bytes().all(|b| b.is_ascii_digit());
     is_serial

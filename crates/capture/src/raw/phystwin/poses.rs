@@ -94,9 +94,9 @@ fn pickled(files: &mut Files<'static>, bytes: &[u8]) -> Result<Vec<(Option<Strin
         None => data.arrays()?.into_iter().map(|array| (None, array)).collect(),
     };
     for (name, array) in arrays {
-        let rows = match array.shape.as_slice() {
-            &[rows @ (3 | 4), 4] => rows,
-            &[_, rows @ (3 | 4), 4] if name.is_none() => rows,
+        let rows = match *array.shape.as_slice() {
+            [rows @ (3 | 4), 4] => rows,
+            [_, rows @ (3 | 4), 4] if name.is_none() => rows,
             _ => return Err(array.wrong_shape("[4, 4] or [3, 4] for each camera")),
         };
         let count = poses.len() + array.len() / (4 * rows);

@@ -111,7 +111,7 @@ mod tests {
         let click = Stroke::click(Part::Object, 0, 1.0, 1.0);
         let none = Stroke { points: Vec::new(), ..click };
         let outside = Stroke { points: vec![[-1.0, 0.0], [f64::NAN, 0.0]], ..click };
-        let wide = Stroke { radius_px: f64::INFINITY, ..click };
+        let wide = Stroke { radius_px: f64::INFINITY, ..click.clone() };
         assert_eq!(faults(&[none, outside, wide]).len(), 3);
         assert_eq!(faults(&vec![click; MAX_STROKES + 1]).len(), 1);
     }

@@ -49,7 +49,7 @@ fn ratio(
     all: usize,
     limits: &TimingThresholds,
 ) -> Option<f64> {
-    let (mut count, mut last) = (0, 0);
+    let (mut count, mut last) = (0_usize, 0);
     for frame in present {
         if count == 0 && frame != 0 {
             return None;

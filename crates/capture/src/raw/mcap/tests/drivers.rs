@@ -177,7 +177,7 @@ fn of_the_views_of_one_device_one_is_taken() {
     let only = without(healthy(), "/cam1");
     let rect = |topic: &str| colors(7, topic, &optical(0));
     let zed = [
-        without(only.clone(), "/color/image_raw"),
+        without(only, "/color/image_raw"),
         colors(0, "/cam0/rgb/image_rect_color", &optical(0)),
         rect("/cam0/left/image_rect_color"),
         images("/cam0/left_gray/image_rect_gray", &optical(0), "mono8", |_, _, _| vec![3]),

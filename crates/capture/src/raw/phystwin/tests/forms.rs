@@ -106,9 +106,9 @@ fn tracked(arrays: &[(&str, Vec<u8>)]) -> (tempfile::TempDir, Recording) {
     // The object is in the columns 5 to 7: a place that rows do not have.
     for frame in 0..FRAMES {
         files.insert(format!("mask/0/0/{frame}.png"), mask_png(5..8));
-        (1..4).for_each(|part| {
-            drop(files.insert(format!("mask/0/{part}/{frame}.png"), mask_png(0..0)))
-        });
+        for part in 1..4 {
+            files.insert(format!("mask/0/{part}/{frame}.png"), mask_png(0..0));
+        }
     }
     opened(&files)
 }
@@ -126,8 +126,8 @@ fn tracks_of_other_trackers_are_read() {
         (0..2).flat_map(|n| (0..FRAMES).map(move |t| at(n, t))).flat_map(of).collect()
     };
     let scaled = |[x, y]: [f32; 2]| [(x + 0.5) / WIDTH as f32, (y + 0.5) / HEIGHT as f32];
-    let flags = |shape: &[usize], value: u8| npy::write("|b1", shape, &vec![value; FRAMES * 2]);
-    let cases: [(&str, Vec<u8>, &str, Vec<u8>, &str); 6] = [
+    let flags = |shape: &[usize], value: u8| npy::write("|b1", shape, &[value; FRAMES * 2]);
+    let cases: [(_, Vec<u8>, _, Vec<u8>, _); 6] = [
         (
             "tracks",
             floats_npy(&[FRAMES, 2, 2], by_frame(&|p| p)),

@@ -154,7 +154,7 @@ fn half_rate() -> FileMap {
             ["color" | "depth" | "mask", "1", rest @ ..] if parts.len() > 2 => {
                 let (number, ending) = rest.last().unwrap().split_once('.').unwrap();
                 let number: usize = number.parse().unwrap();
-                if number % 2 == 0 {
+                if number.is_multiple_of(2) {
                     let folder = name.rsplit_once('/').unwrap().0;
                     files.insert(format!("{folder}/{}.{ending}", number / 2), bytes);
                 }

@@ -261,7 +261,7 @@ fn one_file_may_have_all_frames() {
         ("npy", npy(&shape, &all)),
         ("npz", archive_of(&[("masks", npy(&shape, &all))])),
         ("npz", archive_of(&[("1", npy(&shape, &mask(1))), ("2", npy(&shape, &mask(2)))])),
-        ("npz", archive_of(&[("masks", by_thing.clone()), ("obj_ids", ids)])),
+        ("npz", archive_of(&[("masks", by_thing), ("obj_ids", ids)])),
         ("npz", archive_of(&frames)),
     ] {
         let whole = |c| vec![(format!("mask/{c}.{ending}"), file.clone())];
