@@ -60,6 +60,27 @@ impl Dtype {
         matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
 
+    /// An element of floats from its bytes.
+    pub(crate) fn float(self, bytes: &[u8]) -> f64 {
+        match self {
+            Self::F16 => f64::from(half(bits(bytes) as u16)),
+            Self::F32 => f64::from(f32::from_bits(bits(bytes) as u32)),
+            _ => f64::from_bits(bits(bytes)),
+        }
+    }
+
+    /// An element of integers or truth values from its bytes; the largest number stands for those
+    /// beyond it.
+    fn integer(self, bytes: &[u8]) -> i64 {
+        let raw = bits(bytes);
+        if matches!(self, Self::I8 | Self::I16 | Self::I32 | Self::I64) {
+            let shift = 64 - 8 * self.size() as u32;
+            ((raw << shift) as i64) >> shift
+        } else {
+            i64::try_from(raw).unwrap_or(i64::MAX)
+        }
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Bool => "bool",
@@ -195,9 +216,7 @@ impl<'a> Array<'a> {
     /// Floats in double precision.
     pub(crate) fn doubles(&self, budget: &mut Budget) -> Result<Vec<f64>, Error> {
         match self.dtype {
-            Dtype::F16 => self.decode(budget, |b| f64::from(half(bits(b) as u16))),
-            Dtype::F32 => self.decode(budget, |b| f64::from(f32::from_bits(bits(b) as u32))),
-            Dtype::F64 => self.decode(budget, |b| f64::from_bits(bits(b))),
+            Dtype::F16 | Dtype::F32 | Dtype::F64 => self.decode(budget, |b| self.dtype.float(b)),
             _ => Err(self.wrong_dtype("float32 or float64")),
         }
     }
@@ -209,17 +228,11 @@ impl<'a> Array<'a> {
                 self.decode(budget, |b| (bits(b) as f64 * factor) as f32)
             }
             Dtype::I8 | Dtype::I16 | Dtype::I32 | Dtype::I64 => {
-                let shift = 64 - 8 * self.dtype.size() as u32;
-                let signed = move |b: &[u8]| ((bits(b) << shift) as i64) >> shift;
-                self.decode(budget, |b| (signed(b) as f64 * factor) as f32)
+                self.decode(budget, |b| (self.dtype.integer(b) as f64 * factor) as f32)
             }
-            Dtype::F16 => {
-                self.decode(budget, |b| (f64::from(half(bits(b) as u16)) * factor) as f32)
+            Dtype::F16 | Dtype::F32 | Dtype::F64 => {
+                self.decode(budget, |b| (self.dtype.float(b) * factor) as f32)
             }
-            Dtype::F32 => {
-                self.decode(budget, |b| (f64::from(f32::from_bits(bits(b) as u32)) * factor) as f32)
-            }
-            Dtype::F64 => self.decode(budget, |b| (f64::from_bits(bits(b)) * factor) as f32),
             Dtype::Bool => Err(self.wrong_dtype("uint16, uint32, float32 or float64")),
         }
     }
@@ -269,16 +282,7 @@ impl<'a> Array<'a> {
         if self.dtype.is_float() || self.dtype == Dtype::Bool {
             return Err(self.wrong_dtype("integers"));
         }
-        let signed = matches!(self.dtype, Dtype::I8 | Dtype::I16 | Dtype::I32 | Dtype::I64);
-        let shift = 64 - 8 * self.dtype.size() as u32;
-        self.decode(budget, move |b| {
-            let raw = bits(b);
-            if signed {
-                ((raw << shift) as i64) >> shift
-            } else {
-                i64::try_from(raw).unwrap_or(i64::MAX)
-            }
-        })
+        self.decode(budget, |b| self.dtype.integer(b))
     }
 }
 

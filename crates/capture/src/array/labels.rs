@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Array, Dtype, bits};
+use super::Array;
 use crate::raw::label_number;
 
 /// What the numbers of an array of labels mean.
@@ -27,7 +27,7 @@ impl<'a> Array<'a> {
     /// The array read as labels: integers and truth values unchanged; floats by what all of them
     /// look like.
     pub(crate) fn labels(&self) -> Labels<'_, 'a> {
-        let floats = || self.data.chunks_exact(self.dtype.size()).map(|b| float(self.dtype, b));
+        let floats = || self.data.chunks_exact(self.dtype.size()).map(|b| self.dtype.float(b));
         let meaning = if !self.is_float() || floats().all(|x| x >= 0.0 && x.fract() == 0.0) {
             Meaning::Labels
         } else if floats().all(|x| (0.0..=1.0).contains(&x)) {
@@ -47,23 +47,15 @@ impl Labels<'_, '_> {
         range.map(move |index| {
             let start = array.place(index) * size;
             let Some(bytes) = array.data.get(start..start + size) else { return 0 };
-            if array.is_float() {
-                let x = float(array.dtype, bytes);
-                return match meaning {
-                    Meaning::Labels => label_number(x as i64),
-                    Meaning::Probabilities => u32::from(x >= 0.5),
-                    Meaning::Logits => u32::from(x > 0.0),
-                };
+            if !array.is_float() {
+                return label_number(array.dtype.integer(bytes));
             }
-            let signed = matches!(array.dtype, Dtype::I8 | Dtype::I16 | Dtype::I32 | Dtype::I64);
-            let shift = 64 - 8 * size as u32;
-            let raw = bits(bytes);
-            let value = if signed {
-                ((raw << shift) as i64) >> shift
-            } else {
-                i64::try_from(raw).unwrap_or(i64::MAX)
-            };
-            label_number(value)
+            let x = array.dtype.float(bytes);
+            match meaning {
+                Meaning::Labels => label_number(x as i64),
+                Meaning::Probabilities => u32::from(x >= 0.5),
+                Meaning::Logits => u32::from(x > 0.0),
+            }
         })
     }
 }
@@ -83,12 +75,5 @@ impl Array<'_> {
             rest /= extent.max(&1);
         }
         place
-    }
-}
-
-fn float(dtype: Dtype, bytes: &[u8]) -> f64 {
-    match dtype {
-        Dtype::F32 => f64::from(f32::from_bits(bits(bytes) as u32)),
-        _ => f64::from_bits(bits(bytes)),
     }
 }

@@ -50,3 +50,10 @@ fn types_are_not_guessed() {
     let color = array(Dtype::U8, &[1, 3], &[255, 0, 51]).colors(&mut budget()).unwrap();
     assert_eq!(color, [[1.0, 0.0, 0.2]]);
 }
+
+#[test]
+fn labels_may_be_probabilities_in_half_precision() {
+    // 0, 1 and a half.
+    let halves = array(Dtype::F16, &[3], &[0, 0, 0, 0x3c, 0, 0x38]);
+    assert_eq!(halves.labels().range(0..3).collect::<Vec<_>>(), [0, 1, 1]);
+}

@@ -148,8 +148,7 @@ impl<'m, 'a> Parts<'m, 'a> {
         }
         let raw = bytes.iter().rev().fold(0_u64, |n, b| (n << 8) | u64::from(*b));
         Ok(match dtype {
-            Dtype::F32 => Value::Float(f64::from(f32::from_bits(raw as u32))),
-            Dtype::F64 => Value::Float(f64::from_bits(raw)),
+            Dtype::F16 | Dtype::F32 | Dtype::F64 => Value::Float(dtype.float(bytes)),
             Dtype::Bool => Value::Bool(raw != 0),
             _ => Value::Int(raw as i64),
         })
