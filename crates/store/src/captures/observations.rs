@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use super::products::{self, Product};
 use crate::{
     Captures, Content, Digest, Error, Result,
-    sql::{Builder, Transaction, query, query_scalar, row::row},
+    sql::{Builder, Transaction, query, row::row},
     store::clock::from_micros,
 };
 
@@ -39,10 +39,8 @@ pub struct Report {
 pub(crate) struct NewResults {
     /// True if the ingest succeeded: its results replace all that were stored.
     pub(crate) succeeded: bool,
-    /// Digest and size; none after masks alone.
-    pub(crate) observation: Option<(Digest, u64)>,
-    /// Digests and sizes, in the order of [`Product::ALL`].
-    pub(crate) products: [Option<(Digest, u64)>; 2],
+    /// Digests and sizes, in the order of [`Product::ALL`]; there is no observation after masks alone.
+    pub(crate) products: [Option<(Digest, u64)>; 3],
     pub(crate) verdict: String,
     pub(crate) json: Digest,
     pub(crate) html: Digest,
@@ -157,15 +155,6 @@ impl Captures<'_> {
     }
 }
 
-/// The digest of a capture's observation, within a transaction.
-pub(crate) async fn digest_of(tx: &mut Transaction, capture: &str) -> Result<Option<String>> {
-    let digest = query_scalar("select digest from observations where capture = $1")
-        .bind(capture)
-        .fetch_optional(&mut *tx)
-        .await?;
-    Ok(digest)
-}
-
 /// Replaces the rows of a capture. Returns the content that is obsolete afterwards.
 pub(crate) async fn replace(
     tx: &mut Transaction,
@@ -191,27 +180,12 @@ pub(crate) async fn replace(
             obsolete.extend(products::replace(tx, product, capture, made_now, now).await?);
         }
     }
-    if made.succeeded {
-        obsolete.extend(forget_observation(tx, capture).await?);
-    }
-    let Some((digest, size_bytes)) = made.observation else { return Ok(obsolete) };
-    query(
-        "insert into observations (capture, created_at, size_bytes, digest)
-         values ($1, $2, $3, $4)",
-    )
-    .bind(capture)
-    .bind(now)
-    .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
-    .bind(digest.to_hex().as_str())
-    .execute(&mut *tx)
-    .await?;
     Ok(obsolete)
 }
 
 /// Removes all rows of a capture. Returns the content that is obsolete afterwards.
 pub(crate) async fn forget(tx: &mut Transaction, capture: &str) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
-    obsolete.extend(forget_observation(tx, capture).await?);
     for product in Product::ALL {
         obsolete.extend(products::forget(tx, product, capture).await?);
     }
@@ -225,12 +199,4 @@ async fn forget_report(tx: &mut Transaction, capture: &str) -> Result<Vec<String
             .fetch_optional(&mut *tx)
             .await?;
     Ok(digests.into_iter().flat_map(|(json, html)| [json, html]).collect())
-}
-
-async fn forget_observation(tx: &mut Transaction, capture: &str) -> Result<Option<String>> {
-    let digest = query_scalar("delete from observations where capture = $1 returning digest")
-        .bind(capture)
-        .fetch_optional(&mut *tx)
-        .await?;
-    Ok(digest)
 }

@@ -1,6 +1,6 @@
-//! Products of ingests beside their observations: the playback, which a player shows, and the masks
-//! that were made of strokes. One row each for a capture; an ingest that succeeds replaces both, one
-//! that is refused those that it made.
+//! Products of ingests: the observation, which fits read, the playback, which a player shows, and the
+//! masks that were made of strokes. One row each for a capture; an ingest that succeeds replaces all,
+//! one that is refused those that it made.
 
 use std::collections::HashSet;
 
@@ -14,16 +14,18 @@ use crate::{
 /// A product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Product {
+    Observation,
     Playback,
     Masks,
 }
 
 impl Product {
     /// All products.
-    pub(crate) const ALL: [Self; 2] = [Self::Playback, Self::Masks];
+    pub(crate) const ALL: [Self; 3] = [Self::Observation, Self::Playback, Self::Masks];
 
     fn table(self) -> &'static str {
         match self {
+            Self::Observation => "observations",
             Self::Playback => "playbacks",
             Self::Masks => "masks",
         }

@@ -253,8 +253,7 @@ impl Jobs<'_> {
         let of = |content: &Staged| (content.digest(), content.size_bytes());
         let made = observations::NewResults {
             succeeded: end.is_none(),
-            observation: observation.as_ref().map(of),
-            products: [playback.as_ref().map(of), masks.as_ref().map(of)],
+            products: [&observation, &playback, &masks].map(|made| made.as_ref().map(of)),
             verdict,
             json: json.digest(),
             html: html.digest(),
@@ -302,12 +301,9 @@ impl Jobs<'_> {
         let now = self.store.now_micros();
         let mut obsolete = observations::replace(&mut tx, &before.capture, made, now).await?;
         obsolete.extend(before.checkpoint.clone());
-        let (job, followers) = match end {
-            Some(end) => {
-                let job = self.apply(&mut tx, before, end).await?;
-                let followers = self.fail_followers(&mut tx, &job).await?;
-                (job, followers)
-            }
+        let [observation, ..] = made.products;
+        let job: Job = match end {
+            Some(end) => self.apply(&mut tx, before, end).await?,
             None => {
                 let row: Row = query(
                     "update jobs set state = 'succeeded', ended_at = $2, lease_until = null,
@@ -317,14 +313,13 @@ impl Jobs<'_> {
                 )
                 .bind(&before.id)
                 .bind(now)
-                .bind(made.observation.is_none())
+                .bind(observation.is_none())
                 .fetch_one(&mut tx)
                 .await?;
-                let job = row.try_into()?;
-                let followers = self.fail_followers(&mut tx, &job).await?;
-                (job, followers)
+                row.try_into()?
             }
         };
+        let followers = self.fail_followers(&mut tx, &job).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         self.changed(&job);
@@ -343,8 +338,8 @@ async fn has_stored(
     capture: &str,
     made: &observations::NewResults,
 ) -> Result<bool> {
-    let [_, masks] = made.products;
+    let [observation, _, masks] = made.products;
     let hex = |made: Option<(Digest, u64)>| made.map(|(digest, _)| digest.to_hex().to_string());
-    Ok(observations::digest_of(tx, capture).await? == hex(made.observation)
+    Ok(products::digest_of(tx, Product::Observation, capture).await? == hex(observation)
         && products::digest_of(tx, Product::Masks, capture).await? == hex(masks))
 }
