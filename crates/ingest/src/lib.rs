@@ -187,17 +187,11 @@ impl Work<'_> {
         seen.ground_detected = ground;
         let observed = match (seen.check_report().require(), self.settings.until) {
             // Lifting takes long, and nothing could be fitted to the result.
-            (Err(error), _) => {
-                let refused = Observed::new(Err(error.fault()), Report::new(seen, None));
-                Observed { recorded: vec![Some(recording)], ..refused }
-            }
-            (Ok(()), Stage::Masks) => {
-                let masked = Observed::new(Ok(None), Report::new(seen, None));
-                Observed { recorded: vec![Some(recording)], ..masked }
-            }
-            (Ok(()), Stage::Points) => self.lift_sound(recording, seen, observer)?,
+            (Err(error), _) => Observed::new(Err(error.fault()), Report::new(seen, None)),
+            (Ok(()), Stage::Masks) => Observed::new(Ok(None), Report::new(seen, None)),
+            (Ok(()), Stage::Points) => self.lift_sound(&recording, seen, observer)?,
         };
-        Ok(Observed { masks, ..observed })
+        Ok(Observed { recorded: vec![Some(recording)], masks, ..observed })
     }
 
     /// Share of the work on a raw recording that is over when it is prepared.
@@ -216,17 +210,17 @@ impl Work<'_> {
     /// A recording that is sound enough, lifted.
     fn lift_sound(
         &self,
-        recording: Recording,
+        recording: &Recording,
         mut seen: Inspection,
         observer: &mut dyn Observer<Progress>,
     ) -> Result<Observed, Fault> {
         let (settings, cancel) = (self.settings, self.cancel);
         let mut observer = Lifting(observer);
-        let mut lifted = lift(&recording, settings, self.input.checkpoint, &mut observer, cancel);
+        let mut lifted = lift(recording, settings, self.input.checkpoint, &mut observer, cancel);
         if let Err(error @ (Error::Checkpoint(_) | Error::OtherCheckpoint)) = &lifted {
             // Written by a build before an update, say: the work is lost, the job is not.
             tracing::warn!("starting the ingest anew: {error}");
-            lifted = lift(&recording, settings, None, &mut observer, cancel);
+            lifted = lift(recording, settings, None, &mut observer, cancel);
         }
         let (capture, report) = match lifted {
             Ok(observation) => {
@@ -243,7 +237,7 @@ impl Work<'_> {
                 (Err(fault), Report::new(seen, None))
             }
         };
-        Ok(Observed { recorded: vec![Some(recording)], ..Observed::new(capture, report) })
+        Ok(Observed::new(capture, report))
     }
 }
 

@@ -2,11 +2,9 @@
 //! the findings of all.
 
 use bendtwin_capture::{Opened, Part, several::join};
-use bendtwin_core::{
-    Category, Fault, Observer, ObserverError, Problem as _, Sequence, settings::ingest::Stage,
-};
+use bendtwin_core::{Category, Fault, Observer, Problem as _, Sequence, settings::ingest::Stage};
 
-use crate::{Observed, Progress, Work};
+use crate::{Observed, Progress, Span, Work};
 
 /// Ingests the recordings. A checkpoint is of the one that was being lifted; those before it are
 /// lifted again.
@@ -20,11 +18,12 @@ pub(super) fn ingest(
         return Ok(crate::unread(name, &fault));
     }
     let count = parts.len();
+    let begin = |index: usize| index as f64 / count as f64;
     let (mut captures, mut report, mut fault) = (Vec::with_capacity(count), None, None);
     let mut recorded = Vec::with_capacity(count);
     for (index, Part { name: own, held_out, mut opened }) in parts.into_iter().enumerate() {
         let held_out = held_out || is_held_out(&mut opened);
-        let mut share = Share { index, count, observer: &mut *observer };
+        let mut share = Span { range: begin(index)..begin(index + 1), observer: &mut *observer };
         let named = if index == 0 { name } else { &own };
         let one = work.ingest_one(opened, named, &mut share)?;
         recorded.push(one.recorded.into_iter().next().flatten());
@@ -83,24 +82,6 @@ fn is_held_out(opened: &mut Opened) -> bool {
         capture.sequences.iter_mut().for_each(|s| s.train_frame_count = s.frame_count);
     }
     all
-}
-
-/// Observer of one recording, whose progress is a part of the whole.
-struct Share<'a> {
-    index: usize,
-    count: usize,
-    observer: &'a mut dyn Observer<Progress>,
-}
-
-impl Observer<Progress> for Share<'_> {
-    fn progress(&mut self, Progress { step, fraction }: Progress) {
-        let fraction = (self.index as f64 + fraction) / self.count as f64;
-        self.observer.progress(Progress { step, fraction });
-    }
-
-    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        self.observer.checkpoint(checkpoint)
-    }
 }
 
 #[cfg(test)]
