@@ -8,3 +8,5 @@ pub const PLAYBACK_MAGIC: &[u8; 8] = b"BENDPLAY";
 pub const MAX_PLAYBACK_BYTES: u64 = 64 << 20;
 /// Name of the format of a capture report.
 pub const REPORT_FORMAT: &str = "bendtwin-capture-report";
+/// Name of the format of a calibration.
+pub const CALIBRATION_FORMAT: &str = "bendtwin-calibration";

@@ -38,6 +38,9 @@ use serde_json::{Value, json};
 
 pub use self::error::Error;
 
+/// Name of the document beside masks in their archive or folder.
+pub const FOLLOWING_FILE: &str = "mask/following.json";
+
 /// Masks that were made from strokes.
 #[derive(Clone, Debug)]
 pub struct Segmented {
@@ -51,8 +54,8 @@ pub struct Segmented {
 }
 
 impl Segmented {
-    /// The document that goes with the masks in an archive, as `mask/following.json`: the strokes, and
-    /// the doubt of each camera's frames.
+    /// The document that goes with the masks as [`FOLLOWING_FILE`]: the strokes, and the doubt of each
+    /// camera's frames.
     pub fn document(&self, strokes: &[Stroke]) -> Value {
         let cameras = self.doubt.iter().map(|doubt| json!({ "doubt": doubt }));
         json!({ "strokes": strokes, "cameras": cameras.collect::<Vec<_>>() })

@@ -7,14 +7,12 @@ use bendtwin_capture::{
     raw::{Calibration, MaskSet, Recording},
 };
 use bendtwin_core::{Fault, Finding, settings::ingest::Stroke};
-use bendtwin_segment::segment;
+use bendtwin_segment::{FOLLOWING_FILE, segment};
 use serde::{Deserialize, Serialize};
 
 use super::unless_stopped;
 use crate::{Work, error_of};
 
-/// The document beside masks in their archive.
-const DOCUMENT: &str = "mask/following.json";
 /// Longest document [bytes].
 const MAX_DOCUMENT: u64 = 64 << 20;
 
@@ -55,7 +53,7 @@ impl StrokeMasks {
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), capture::Error> {
         let document = serde_json::to_vec(&self.following).unwrap_or_default();
-        self.set.write_zip(path, &[(DOCUMENT, document)])
+        self.set.write_zip(path, &[(FOLLOWING_FILE, document)])
     }
 
     /// The masks in such an archive, if they were made of the same strokes with the same cameras.
@@ -83,7 +81,7 @@ fn world(recording: &Recording) -> String {
 
 /// The document in an archive of masks.
 fn document(path: &Path, limits: &Limits) -> Option<Vec<u8>> {
-    capture::raw::file_in(path, DOCUMENT, MAX_DOCUMENT, limits).ok().flatten()
+    capture::raw::file_in(path, FOLLOWING_FILE, MAX_DOCUMENT, limits).ok().flatten()
 }
 
 /// Masks of the strokes in the settings, if there are any and the cameras are calibrated.

@@ -2,16 +2,13 @@
 //! of a capture's: workers read it with the next ingest. Only a calibration is compared with its
 //! format, so that a file of another program is refused immediately, with the way out.
 
-use bendtwin_core::ids::CaptureId;
+use bendtwin_core::{capture_files::CALIBRATION_FORMAT, ids::CaptureId};
 use bendtwin_proto::v1::SupplementMetadata;
 use bendtwin_store::{Content, NewSupplement, Overview, Staged, SupplementKind};
 use serde::Deserialize;
 
 use super::super::{self as app, App, Body, Error, Result};
 use crate::context::Context;
-
-/// Name of the format of a calibration.
-const CALIBRATION_FORMAT: &str = "bendtwin-calibration";
 
 /// The head of a calibration: the rest is for its readers.
 #[derive(Deserialize)]

@@ -11,11 +11,9 @@ use bendtwin_capture::{
     raw::{ColorImage, Image, MaskSet, Recording, Region},
 };
 use bendtwin_core::CancelToken;
+use bendtwin_segment::FOLLOWING_FILE;
 
 use crate::failure::{self, Usage};
-
-/// Name of the document that goes with masks.
-const FOLLOWING: &str = "mask/following.json";
 
 /// Where masks are written.
 pub(super) enum Target {
@@ -74,7 +72,9 @@ impl Target {
         match self {
             Self::Archive(path) => {
                 let unfinished = path.with_extension("zip.part");
-                masks.write_zip(&unfinished, &[(FOLLOWING, document)]).map_err(failure::failed)?;
+                masks
+                    .write_zip(&unfinished, &[(FOLLOWING_FILE, document)])
+                    .map_err(failure::failed)?;
                 fs::rename(&unfinished, &path)
                     .with_context(|| format!("cannot write {}", path.display()))?;
                 Ok(path)
@@ -115,7 +115,7 @@ fn replace(
         }
         fs::write(&path, bytes).map_err(failed)
     };
-    let written = masks.export(stem, &mut put).and_then(|()| put(FOLLOWING, document));
+    let written = masks.export(stem, &mut put).and_then(|()| put(FOLLOWING_FILE, document));
     if cancel.is_cancelled() {
         return Err(failure::failed(bendtwin_segment::Error::Cancelled));
     }

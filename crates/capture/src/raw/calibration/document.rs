@@ -15,7 +15,7 @@ use crate::{
     },
 };
 
-const FORMAT: &str = "bendtwin-calibration";
+const FORMAT: &str = bendtwin_core::capture_files::CALIBRATION_FORMAT;
 const VERSION: u64 = 1;
 /// Longest name and origin [bytes].
 const MAX_TEXT: usize = 256;
