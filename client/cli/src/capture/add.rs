@@ -1,10 +1,6 @@
 //! `bendtwin capture add` and `capture remove`: files that are added to a capture after its upload.
 
-use std::{
-    fs::File,
-    io::BufWriter,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use bendtwin_client::{CaptureId, Captures, SupplementKind};
 use clap::{Args, ValueEnum};
@@ -104,14 +100,8 @@ async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>>
     // Owned here and not by the thread that fills it: an interruption is to leave none behind.
     let file = tempfile::Builder::new().prefix("bendtwin-").suffix(".zip").tempfile()?;
     let (path, into) = (path.to_owned(), file.path().to_owned());
-    let packing = tokio::task::spawn_blocking(move || {
-        let listing = Listing::of_masks(&path)?;
-        let bar = progress::byte_bar("packing", listing.bytes(), quiet);
-        let into = BufWriter::new(File::create(into)?);
-        let packed = listing.pack(into, |bytes| bar.set_position(bytes));
-        bar.finish_and_clear();
-        packed
-    });
+    let packing =
+        tokio::task::spawn_blocking(move || Listing::of_masks(&path)?.pack_to(&into, quiet));
     packing.await??;
     Ok(Some(file))
 }

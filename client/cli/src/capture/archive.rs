@@ -3,7 +3,7 @@
 
 use std::{
     fs::File,
-    io::{self, Read, Seek, Write},
+    io::{self, BufWriter, Read, Seek, Write},
     path::{Path, PathBuf},
 };
 
@@ -11,7 +11,7 @@ use anyhow::{Context as _, bail};
 use bendtwin_capture::FilesRead;
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use crate::failure::Usage;
+use crate::{failure::Usage, progress};
 
 /// Extensions of files that are compressed already: deflating them again costs time and saves
 /// nothing.
@@ -135,6 +135,15 @@ impl Listing {
             prefix.truncate(length);
         }
         Ok(())
+    }
+
+    /// Writes the archive into a file, with a progress bar.
+    pub(super) fn pack_to(&self, file: &Path, quiet: bool) -> anyhow::Result<()> {
+        let bar = progress::byte_bar("packing", self.bytes(), quiet);
+        let into = BufWriter::new(File::create(file)?);
+        let packed = self.pack(into, |bytes| bar.set_position(bytes));
+        bar.finish_and_clear();
+        packed
     }
 
     /// Writes the archive; `packed` gets the number of bytes of files in it so far.

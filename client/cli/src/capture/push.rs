@@ -3,7 +3,6 @@
 
 use std::{
     fs::File,
-    io::BufWriter,
     path::{Path, PathBuf},
 };
 
@@ -129,11 +128,7 @@ fn archive(folder: &Path, into: &Path, quiet: bool) -> anyhow::Result<()> {
     if listing.skipped > 0 {
         eprintln!("warning: {} links and special files are left out", listing.skipped);
     }
-    let bar = progress::byte_bar("packing", listing.bytes(), quiet);
-    let into = BufWriter::new(File::create(into)?);
-    let packed = listing.pack(into, |bytes| bar.set_position(bytes));
-    bar.finish_and_clear();
-    packed
+    listing.pack_to(into, quiet)
 }
 
 /// A sentence about the files that are sent, out of all.

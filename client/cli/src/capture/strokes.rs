@@ -37,6 +37,15 @@ impl StrokeArgs {
     }
 }
 
+/// Camera, frame and pixel of a click as text: `CAMERA[@FRAME]:X,Y`. A camera's name may have colons.
+pub(super) fn parse(text: &str) -> Option<(&str, &str, [f64; 2])> {
+    let (image, pixel) = text.rsplit_once(':')?;
+    let (camera, frame) = image.rsplit_once('@').unwrap_or((image, "0"));
+    let (x, y) = pixel.split_once(',')?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    Some((camera, frame, [number(x)?, number(y)?]))
+}
+
 /// A pixel of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Click {
@@ -51,17 +60,9 @@ impl FromStr for Click {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let read = || {
-            let (image, pixel) = text.split_once(':')?;
-            let (camera, frame) = image.split_once('@').unwrap_or((image, "0"));
-            let (x, y) = pixel.split_once(',')?;
-            let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+            let (camera, frame, [x, y]) = parse(text)?;
             let index = |text: &str| text.trim().parse().ok();
-            Some(Self {
-                camera: index(camera)?,
-                frame: index(frame)?,
-                x: number(x)?,
-                y: number(y)?,
-            })
+            Some(Self { camera: index(camera)?, frame: index(frame)?, x, y })
         };
         read().ok_or_else(|| {
             "write CAMERA:X,Y or CAMERA@FRAME:X,Y, for example 0:120,88: cameras, frames, columns and \

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use bendtwin_core::settings::ingest::{Part, Stroke};
 use serde::Deserialize;
 
-use crate::failure::Usage;
+use crate::{capture::strokes::parse, failure::Usage};
 
 /// Longest file of strokes [bytes].
 const MAX_BYTES: u64 = 64 << 20;
@@ -24,24 +24,15 @@ impl FromStr for Click {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || {
+        let read = || {
+            let (camera, frame, at) = parse(text).filter(|(camera, ..)| !camera.is_empty())?;
+            Some(Self { camera: camera.to_owned(), frame: frame.parse().ok()?, at })
+        };
+        read().ok_or_else(|| {
             format!(
                 "`{text}` is no click: write CAMERA:X,Y or CAMERA@FRAME:X,Y, as in 0:120,88 or 0@12:120,88"
             )
-        };
-        // A camera's name may have colons.
-        let (place, pixel) = text.rsplit_once(':').ok_or_else(wrong)?;
-        let (x, y) = pixel.split_once(',').ok_or_else(wrong)?;
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-        let (Some(x), Some(y)) = (number(x), number(y)) else { return Err(wrong()) };
-        let (camera, frame) = match place.rsplit_once('@') {
-            Some((camera, frame)) => (camera, frame.parse().map_err(|_| wrong())?),
-            None => (place, 0),
-        };
-        if camera.is_empty() {
-            return Err(wrong());
-        }
-        Ok(Self { camera: camera.to_owned(), frame, at: [x, y] })
+        })
     }
 }
 
