@@ -86,18 +86,11 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
         let views = made.recorded.first().and_then(Option::as_ref).and_then(|recording| {
             views(recording, &mut |share| tell(OBSERVED + (VIEWED - OBSERVED) * share))
         });
-        capture::write_observation(observed, views.as_ref(), &folder.join(OBSERVATION)).map_err(
-            |error| match error {
-                capture::Error::Io { at, source } => unwritable(&at, source),
-                error => error.fault(),
-            },
-        )?;
+        capture::write_observation(observed, views.as_ref(), &folder.join(OBSERVATION))
+            .map_err(unwritten)?;
     }
     if let Some(masks) = &made.masks {
-        masks.write(&folder.join(MASKS)).map_err(|error| match error {
-            capture::Error::Io { at, source } => unwritable(&at, source),
-            error => error.fault(),
-        })?;
+        masks.write(&folder.join(MASKS)).map_err(unwritten)?;
     }
     write_shown(folder, &request.name, &made, &mut |share| {
         tell(VIEWED + (1.0 - VIEWED) * share);
@@ -108,6 +101,14 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
         Ok(None) => Message::Masked { verdict },
         Err(fault) => Message::Refused { verdict, fault },
     })
+}
+
+/// The fault of a result that was not written.
+fn unwritten(error: capture::Error) -> Fault {
+    match error {
+        capture::Error::Io { at, source } => unwritable(&at, source),
+        error => error.fault(),
+    }
 }
 
 /// Writes the playback: of everything that can be shown, also of a capture that cannot be fitted.
