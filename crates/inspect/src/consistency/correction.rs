@@ -6,13 +6,10 @@
 //! and Medioni, *Object modelling by registration of multiple range images* (1992), and for the
 //! correspondences Blais and Levine (1995).
 
+use bendtwin_capture::raw::Pose;
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 
-use super::{
-    SampledCrop, ViewSet,
-    hypothesis::{Hypothesis, Motion},
-    reprojection::place,
-};
+use super::{SampledCrop, ViewSet, hypothesis::Hypothesis, reprojection::place};
 use crate::vector::{Vector, add, cross, dot, pixel_of, scaled, sub, to_camera, to_world, turn};
 
 /// Gauss-Newton steps, each with new correspondences.
@@ -23,7 +20,7 @@ const DAMPING: f64 = 1e-4;
 /// The rigid motion that would fit one camera to the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Correction {
-    pub(crate) motion: Motion,
+    pub(crate) motion: Pose,
     /// Angle of its rotation [rad].
     pub(crate) angle: f64,
     /// Distance by which the motion moves the middle of what the camera sees of the object [m].
@@ -43,7 +40,7 @@ pub(crate) fn correct(
     hypothesis: &Hypothesis,
     which: usize,
 ) -> Option<Correction> {
-    let mut total = Motion { rotation: IDENTITY, translation: [0.0; 3] };
+    let mut total = Pose::IDENTITY;
     let mut pivot = None;
     let limits = set.thresholds;
     for iteration in 0..ITERATIONS {
@@ -64,23 +61,10 @@ pub(crate) fn correct(
         total = step.after(&total);
     }
     let pivot = pivot?;
-    let shift_m = crate::vector::distance(total.apply(pivot), pivot);
+    let shift_m = crate::vector::distance(total.moved(pivot), pivot);
     let rotation =
         Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_fn(|i, j| total.rotation[i][j]));
     Some(Correction { motion: total, angle: rotation.angle(), shift_m })
-}
-
-const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-impl Motion {
-    fn after(&self, first: &Self) -> Self {
-        let columns: [Vector; 3] =
-            std::array::from_fn(|j| turn(&self.rotation, first.rotation.map(|row| row[j])));
-        Self {
-            rotation: std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i])),
-            translation: self.apply(first.translation),
-        }
-    }
 }
 
 fn matches(set: &ViewSet<'_>, hypothesis: &Hypothesis, which: usize) -> Vec<Match> {
@@ -114,7 +98,7 @@ fn matches(set: &ViewSet<'_>, hypothesis: &Hypothesis, which: usize) -> Vec<Matc
     found
 }
 
-fn solve(matches: &[Match], middle: Vector, reach: f64) -> Option<Motion> {
+fn solve(matches: &[Match], middle: Vector, reach: f64) -> Option<Pose> {
     let mut normal_matrix = Matrix6::zeros();
     let mut right = Vector6::zeros();
     for m in matches {
@@ -137,5 +121,5 @@ fn solve(matches: &[Match], middle: Vector, reach: f64) -> Option<Motion> {
     let shift = [step[3], step[4], step[5]];
     // About the middle: x becomes R (x - c) + c + t.
     let translation = add(sub(middle, turn(&rotation, middle)), shift);
-    translation.iter().all(|x| x.is_finite()).then_some(Motion { rotation, translation })
+    translation.iter().all(|x| x.is_finite()).then_some(Pose { rotation, translation })
 }

@@ -4,7 +4,6 @@
 use bendtwin_capture::raw::{Camera, Pose};
 
 use super::View;
-use crate::vector::{Vector, add, turn};
 
 /// A change of one camera's calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,27 +37,7 @@ pub(crate) struct CameraHypothesis {
     /// Factor that its depth is multiplied by.
     pub(crate) depth_scale: f64,
     /// Moves the camera after all that: rotation about a pivot, then translation.
-    pub(crate) moved: Option<Motion>,
-}
-
-/// A rigid motion of the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Motion {
-    pub(crate) rotation: [[f64; 3]; 3],
-    /// [m].
-    pub(crate) translation: Vector,
-}
-
-impl Motion {
-    pub(crate) fn apply(&self, p: Vector) -> Vector {
-        add(turn(&self.rotation, p), self.translation)
-    }
-}
-
-impl From<Motion> for Pose {
-    fn from(motion: Motion) -> Self {
-        Self { rotation: motion.rotation, translation: motion.translation }
-    }
+    pub(crate) moved: Option<Pose>,
 }
 
 /// A supposed calibration for every view.
@@ -111,10 +90,7 @@ impl Hypothesis {
         let declared = views.get(supposed.calibration)?.camera.pose(frame);
         let mut pose = supposed.change.apply(declared);
         if let Some(moved) = &supposed.moved {
-            let columns: [Vector; 3] =
-                std::array::from_fn(|j| turn(&moved.rotation, pose.rotation.map(|row| row[j])));
-            pose.rotation = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
-            pose.translation = moved.apply(pose.translation);
+            pose = moved.after(&pose);
         }
         Some(PosedCamera { camera, pose, depth_scale: supposed.depth_scale })
     }
@@ -139,9 +115,7 @@ impl PoseChange {
         let sign = |axis: usize, at: usize| if axis == at { -1.0 } else { 1.0 };
         match self {
             Self::None => *pose,
-            Self::Inverse => {
-                Pose { rotation: transposed, translation: turn(&transposed, t).map(|x| -x) }
-            }
+            Self::Inverse => pose.inverse(),
             Self::RotationInverse => Pose { rotation: transposed, translation: t },
             Self::OpenGl => Pose { rotation: r.map(|[x, y, z]| [x, -y, -z]), translation: t },
             // OpenCV's z is the body's x, its x the body's -y, its y the body's -z.

@@ -255,7 +255,7 @@ fn misplaced_cameras(
             return;
         }
         assessment.findings.push(misplaced_camera(context, set, which, &correction));
-        assessment.corrections.push((set.views[which].index, correction.motion.into()));
+        assessment.corrections.push((set.views[which].index, correction.motion));
         flagged.push(which);
         hypothesis = hypothesis.with(which, |s| s.moved = Some(correction.motion));
         misfit = left;

@@ -54,12 +54,20 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         }
         // Of two cameras nobody knows which one is late: they share one finding.
         if n > 2 {
-            flag(context, camera, skew, drift, assessment);
+            flag(
+                context,
+                &[camera],
+                ["the others", "the other cameras"],
+                [skew, drift],
+                assessment,
+            );
         }
     }
     if n == 2 {
         let between = |table: &Vec<Vec<Option<f64>>>| *table.first()?.get(1)?;
-        flag_pair(context, between(&shifts), between(&drifts), assessment);
+        let second = named(context.recording, 1);
+        let measured = [between(&shifts), between(&drifts)];
+        flag(context, &[0, 1], [&second, &second], measured, assessment);
     }
 }
 
@@ -112,87 +120,47 @@ fn drift_by_times(context: &Context<'_>, [a, b]: [usize; 2]) -> Option<f64> {
     Some(-grown * context.recording.fps)
 }
 
+/// The finding about cameras, the first of which drifts or is skewed against others; these have one
+/// name for where it drifts, and one for where it is skewed.
 fn flag(
     context: &Context<'_>,
-    camera: usize,
-    skew: Option<f64>,
-    drift: Option<f64>,
+    cameras: &[usize],
+    [drifts_from, later_than]: [&str; 2],
+    [skew, drift]: [Option<f64>; 2],
     assessment: &mut Assessment,
 ) {
     let limits = &context.thresholds.skew;
-    let name = named(context.recording, camera);
-    let frame_ms = 1e3 / context.recording.fps;
+    let Some(&first) = cameras.first() else { return };
+    let name = named(context.recording, first);
+    let of_cameras = |finding: Finding| finding.cameras(cameras.iter().copied());
     if let Some(drift) = drift.filter(|d| d.abs() > limits.max_drift_frames) {
-        let direction = if drift > 0.0 { "behind" } else { "ahead of" };
-        let who = format!("{name} runs {direction} the others");
-        assessment.findings.push(drifting(&who, [camera], drift * frame_ms));
+        let drift_ms = drift * (1e3 / context.recording.fps);
+        let message = format!(
+            "{name} runs {} {drifts_from} by {:.0} ms from the first half to the second: its frames were dropped and closed \
+             up, or its clock differs",
+            if drift > 0.0 { "behind" } else { "ahead of" },
+            drift_ms.abs()
+        );
+        let finding = of_cameras(Finding::warning(Code::ClocksDrift, message));
+        assessment.findings.push(finding.number("drift_ms", drift_ms));
         return;
     }
     let Some(skew) = skew.filter(|s| s.abs() > limits.max_skew_frames) else { return };
-    if !is_known(assessment, camera) {
-        let who = format!("{name} shows motion");
-        let finding = skewed(context, &who, "than the other cameras", [camera], skew);
-        assessment.findings.push(finding);
-    }
-}
-
-/// The finding about the only two cameras; the skew is that of the first.
-fn flag_pair(
-    context: &Context<'_>,
-    skew: Option<f64>,
-    drift: Option<f64>,
-    assessment: &mut Assessment,
-) {
-    let limits = &context.thresholds.skew;
-    let [first, second] = [0, 1].map(|camera| named(context.recording, camera));
-    let frame_ms = 1e3 / context.recording.fps;
-    if let Some(drift) = drift.filter(|d| d.abs() > limits.max_drift_frames) {
-        let direction = if drift > 0.0 { "behind" } else { "ahead of" };
-        let who = format!("{first} runs {direction} {second}");
-        assessment.findings.push(drifting(&who, [0, 1], drift * frame_ms));
+    // The frames' times may have shown it already.
+    let is_it = |f: &Finding| f.code == Code::CamerasSkewed.name() && f.cameras.contains(&first);
+    if assessment.findings.iter().any(is_it) {
         return;
     }
-    let Some(skew) = skew.filter(|s| s.abs() > limits.max_skew_frames) else { return };
-    if !is_known(assessment, 0) {
-        let than = format!("than {second}");
-        let finding = skewed(context, &format!("{first} shows motion"), &than, [0, 1], skew);
-        assessment.findings.push(finding);
-    }
-}
-
-/// True if the frames' times showed a camera's skew already.
-fn is_known(assessment: &Assessment, camera: usize) -> bool {
-    let is_it = |f: &Finding| f.code == Code::CamerasSkewed.name() && f.cameras.contains(&camera);
-    assessment.findings.iter().any(is_it)
-}
-
-fn drifting(who: &str, cameras: impl IntoIterator<Item = usize>, drift_ms: f64) -> Finding {
-    let message = format!(
-        "{who} by {:.0} ms from the first half to the second: its frames were dropped and closed up, or its clock differs",
-        drift_ms.abs()
-    );
-    let finding = Finding::warning(Code::ClocksDrift, message).cameras(cameras);
-    finding.number("drift_ms", drift_ms)
-}
-
-fn skewed(
-    context: &Context<'_>,
-    who: &str,
-    than: &str,
-    cameras: impl IntoIterator<Item = usize>,
-    skew: f64,
-) -> Finding {
-    let limits = &context.thresholds.skew;
     let skew_ms = skew * 1e3 / context.recording.fps;
     let is_bad = skew.abs() >= limits.bad_skew_frames && skew_ms.abs() >= 1e3 * limits.bad_skew_s;
     let message = format!(
-        "{who} {:.0} ms ({:.1} frames) {} {than}",
+        "{name} shows motion {:.0} ms ({:.1} frames) {} than {later_than}",
         skew_ms.abs(),
         skew.abs(),
         if skew > 0.0 { "later" } else { "earlier" }
     );
-    let finding = Finding::graded(is_bad, Code::CamerasSkewed, message).cameras(cameras);
-    finding.number("skew_ms", skew_ms)
+    let finding = of_cameras(Finding::graded(is_bad, Code::CamerasSkewed, message));
+    assessment.findings.push(finding.number("skew_ms", skew_ms));
 }
 
 /// Paths without what is at an image's border, where the middle of what is seen is not that of the
