@@ -23,9 +23,7 @@ impl Lens {
         if p.z.is_nan() || p.z <= 1e-6 {
             return None;
         }
-        let [u, v] = self.distortion.distort([p.x / p.z, p.y / p.z]);
-        let i = &self.intrinsics;
-        Some([i.fx * u + i.cx, i.fy * v + i.cy])
+        Some(self.intrinsics.pixel(self.distortion.distort([p.x / p.z, p.y / p.z])))
     }
 
     /// Derivative of the pixel by the place [px/m]; `None` behind the camera.
@@ -47,7 +45,6 @@ impl Lens {
 
     /// The place at depth 1 that appears at a pixel.
     pub(crate) fn ray(&self, at: [f64; 2]) -> [f64; 2] {
-        let i = &self.intrinsics;
-        self.distortion.undistort([(at[0] - i.cx) / i.fx, (at[1] - i.cy) / i.fy])
+        self.distortion.undistort(self.intrinsics.plane(at))
     }
 }

@@ -34,7 +34,7 @@ pub(crate) use self::{bundle::Section, decode::label_number, phystwin::names_man
 pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     calibration::{CALIBRATION_FILE, CalibratedCamera, Calibration},
-    camera::{Camera, Distortion, Intrinsics, Pose},
+    camera::{Camera, Distortion, Intrinsics, Pose, called},
     gripper::{Gripper, Pad},
     image::{ColorImage, DepthImage, Image, Mask},
     mask_set::MaskSet,

@@ -1,5 +1,6 @@
 //! The same fault in several cameras is one finding, which lists them: a wrong encoding is wrong in all.
 
+use bendtwin_capture::raw::called;
 use bendtwin_core::Finding;
 
 use crate::Code;
@@ -65,15 +66,6 @@ fn sorted(mut numbers: Vec<usize>) -> Vec<usize> {
     numbers.sort_unstable();
     numbers.dedup();
     numbers
-}
-
-/// `camera 2 (front)`, or `camera 2` if its name is its number.
-pub(crate) fn called(index: usize, name: &str) -> String {
-    if name.is_empty() || name == index.to_string() {
-        format!("camera {index}")
-    } else {
-        format!("camera {index} ({name})")
-    }
 }
 
 /// The name of one of the cameras, as messages give it.

@@ -15,13 +15,12 @@ mod start;
 mod timing;
 mod tracks;
 
-use bendtwin_capture::raw::{Pose, Recording};
+use bendtwin_capture::raw::{Pose, Recording, called};
 use bendtwin_core::settings::ingest::IngestSettings;
 
 use self::paths::Paths;
 use crate::{
     Finding,
-    alike::called,
     inspection::{CameraReport, PairReport, Scene},
     scan::CameraScan,
     thresholds::Thresholds,

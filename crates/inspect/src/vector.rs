@@ -20,8 +20,7 @@ pub(crate) fn to_camera(pose: &Pose, p: Vector) -> Vector {
 /// The point in the camera's axes [m] that appears at a pixel at a depth along the optical axis
 /// [m].
 pub(crate) fn seen_at(camera: &Camera, pixel: [f64; 2], depth_m: f64) -> Vector {
-    let i = &camera.intrinsics;
-    let [x, y] = camera.distortion.undistort([(pixel[0] - i.cx) / i.fx, (pixel[1] - i.cy) / i.fy]);
+    let [x, y] = camera.distortion.undistort(camera.intrinsics.plane(pixel));
     [x * depth_m, y * depth_m, depth_m]
 }
 
@@ -31,9 +30,7 @@ pub(crate) fn pixel_of(camera: &Camera, p: Vector) -> Option<[f64; 2]> {
     if p[2].is_nan() || p[2] <= 1e-6 {
         return None;
     }
-    let [u, v] = camera.distortion.distort([p[0] / p[2], p[1] / p[2]]);
-    let i = &camera.intrinsics;
-    Some([i.fx * u + i.cx, i.fy * v + i.cy])
+    Some(camera.intrinsics.pixel(camera.distortion.distort([p[0] / p[2], p[1] / p[2]])))
 }
 
 /// Heights over the ground; without one, along the direction against gravity from the origin.

@@ -48,11 +48,9 @@ pub(crate) fn stride(cameras: &[Camera]) -> usize {
 impl<'a> Lens<'a> {
     pub(crate) fn new(camera: &'a Camera, stride: usize) -> Self {
         let (width, height) = (camera.width.div_ceil(stride), camera.height.div_ceil(stride));
-        let i = &camera.intrinsics;
         let ray = |at: usize| {
-            let [column, row] = [at % width, at / width].map(|n| (n * stride) as f64);
-            let seen = [(column - i.cx) / i.fx, (row - i.cy) / i.fy];
-            camera.distortion.undistort(seen).map(|x| x as f32)
+            let pixel = [at % width, at / width].map(|n| (n * stride) as f64);
+            camera.distortion.undistort(camera.intrinsics.plane(pixel)).map(|x| x as f32)
         };
         let rays = (0..width * height).map(ray).collect();
         Self { camera, stride, width, height, rays }

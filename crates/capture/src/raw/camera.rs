@@ -71,23 +71,31 @@ impl Camera {
         if z <= 1e-6 {
             return None;
         }
-        let [u, v] = self.distortion.distort([x / z, y / z]);
-        let i = &self.intrinsics;
-        Some(([i.fx * u + i.cx, i.fy * v + i.cy], z))
+        Some((self.intrinsics.pixel(self.distortion.distort([x / z, y / z])), z))
     }
 
     /// The point of the world [m] that appears at a pixel (column, row) at a depth along the
     /// optical axis [m].
     pub fn unproject(&self, pixel: [f64; 2], depth_m: f64, frame: usize) -> Point {
-        let i = &self.intrinsics;
-        let [x, y] =
-            self.distortion.undistort([(pixel[0] - i.cx) / i.fx, (pixel[1] - i.cy) / i.fy]);
+        let [x, y] = self.distortion.undistort(self.intrinsics.plane(pixel));
         self.pose(frame).to_world([x * depth_m, y * depth_m, depth_m])
     }
 
     /// Pose in a frame; [`Pose::IDENTITY`] if the camera is not calibrated.
     pub fn pose(&self, frame: usize) -> &Pose {
         self.poses.get(frame).or(self.poses.first()).unwrap_or(&Pose::IDENTITY)
+    }
+}
+
+impl Intrinsics {
+    /// The pixel (column, row) of a place on the plane at depth 1.
+    pub fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.fx * x + self.cx, self.fy * y + self.cy]
+    }
+
+    /// The place on the plane at depth 1 of a pixel (column, row).
+    pub fn plane(&self, [column, row]: [f64; 2]) -> [f64; 2] {
+        [(column - self.cx) / self.fx, (row - self.cy) / self.fy]
     }
 }
 
@@ -158,6 +166,15 @@ impl Distortion {
             at[1] += (j[0][0] * fault[1] - j[1][0] * fault[0]) / determinant;
         }
         at
+    }
+}
+
+/// How messages call a camera: `camera 2 (front)`, or `camera 2` if its name is its number.
+pub fn called(index: usize, name: &str) -> String {
+    if name.is_empty() || name == index.to_string() {
+        format!("camera {index}")
+    } else {
+        format!("camera {index} ({name})")
     }
 }
 

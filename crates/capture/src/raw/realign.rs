@@ -48,16 +48,13 @@ pub(super) struct DepthCamera {
 
 impl Lens {
     /// Place at depth 1 that appears at a pixel.
-    fn ray(&self, [column, row]: [f64; 2]) -> [f64; 2] {
-        let i = &self.intrinsics;
-        self.distortion.undistort([(column - i.cx) / i.fx, (row - i.cy) / i.fy])
+    fn ray(&self, pixel: [f64; 2]) -> [f64; 2] {
+        self.distortion.undistort(self.intrinsics.plane(pixel))
     }
 
     /// Pixel at which a place at depth 1 appears.
     fn pixel(&self, ray: [f64; 2]) -> [f64; 2] {
-        let [u, v] = self.distortion.distort(ray);
-        let i = &self.intrinsics;
-        [i.fx * u + i.cx, i.fy * v + i.cy]
+        self.intrinsics.pixel(self.distortion.distort(ray))
     }
 }
 
@@ -141,10 +138,7 @@ impl DepthCamera {
     /// Pixel of colour at which the place on a ray of the depth camera appears, and its depth there
     /// [m].
     fn place(&self, [x, y]: [f64; 2], metres: f64) -> Option<([f64; 2], f64)> {
-        let Pose { rotation: r, translation: t } = &self.to_color;
-        let p = [x * metres, y * metres, metres];
-        let [x, y, z]: [f64; 3] =
-            std::array::from_fn(|i| r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2] + t[i]);
+        let [x, y, z] = self.to_color.moved([x * metres, y * metres, metres]);
         let ray = [x / z, y / z];
         (z > NEAR_M && ray[0].hypot(ray[1]) <= self.reach).then(|| (self.color.pixel(ray), z))
     }

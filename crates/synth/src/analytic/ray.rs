@@ -30,9 +30,7 @@ impl Ray {
         let direction = match precision {
             Precision::Single => sub(wide(camera.unproject(pixel, 1.0, frame)), origin),
             Precision::Double => {
-                let i = &camera.intrinsics;
-                let seen = [(pixel[0] - i.cx) / i.fx, (pixel[1] - i.cy) / i.fy];
-                let [x, y] = camera.distortion.undistort(seen);
+                let [x, y] = camera.distortion.undistort(camera.intrinsics.plane(pixel));
                 turn(&pose.rotation, [x, y, 1.0])
             }
         };

@@ -65,12 +65,11 @@ impl Source for Stage {
 }
 
 fn corner_rays(camera: &Camera) -> Vec<[f64; 2]> {
-    let i = &camera.intrinsics;
     let corners = (0..=camera.height).flat_map(|row| (0..=camera.width).map(move |c| (row, c)));
     corners
         .map(|(row, column)| {
             let at = [column as f64 - 0.5, row as f64 - 0.5];
-            camera.distortion.undistort([(at[0] - i.cx) / i.fx, (at[1] - i.cy) / i.fy])
+            camera.distortion.undistort(camera.intrinsics.plane(at))
         })
         .collect()
 }
