@@ -19,7 +19,7 @@ mod size;
 mod spec;
 mod views;
 
-use bendtwin_capture::raw::{CalibratedCamera, Calibration, Recording};
+use bendtwin_capture::raw::{CalibratedCamera, Calibration, Recording, called};
 use bendtwin_core::{CancelToken, Finding, settings::ingest::BoardSettings};
 
 pub(crate) use self::views::spread;
@@ -177,7 +177,7 @@ fn judge(recording: &Recording, board: &Board, joined: &Joined, result: &mut Boa
         );
         let finding =
             Finding::from_sentence(bendtwin_core::Severity::Warning, "BOARD_MOVES", message);
-        findings.push(finding.frames([joined.first_frame]));
+        findings.push(finding.frames(joined.frames.first().copied()));
     }
     result.findings.extend(findings);
 }
@@ -209,12 +209,7 @@ const GUIDE: &str = "docs/use/cameras.md#calibration";
 
 /// `camera 2 (front)`, or `camera 2` if its name is its number.
 fn named(recording: &Recording, index: usize) -> String {
-    match recording.cameras.get(index).map(|camera| camera.name.as_str()) {
-        Some(name) if !name.is_empty() && name != index.to_string() => {
-            format!("camera {index} ({name})")
-        }
-        _ => format!("camera {index}"),
-    }
+    called(index, recording.cameras.get(index).map_or("", |camera| &camera.name))
 }
 
 #[cfg(test)]

@@ -73,31 +73,31 @@ pub fn open(path: &Path) -> Result<Model, Error> {
         let at = folder.display().to_string();
         Err(Error::File { at, fault: format!("{name}.bin or {name}.txt is missing") })
     };
-    let parts = ["cameras", "images", "points3D"].map(read);
-    let [cameras, images, points] = parts;
-    let (cameras, images, points) = (cameras?, images?, points?);
-    let fail = |at: &str| {
-        let at = at.to_owned();
-        move |fault: String| Error::File { at, fault }
-    };
-    let model = Model {
-        cameras: match cameras.2 {
-            true => binary::cameras(&cameras.1),
-            false => text::cameras(&cameras.1),
-        }
-        .map_err(fail(&cameras.0))?,
-        images: match images.2 {
-            true => binary::images(&images.1),
-            false => text::images(&images.1),
-        }
-        .map_err(fail(&images.0))?,
-        points: match points.2 {
-            true => binary::points(&points.1),
-            false => text::points(&points.1),
-        }
-        .map_err(fail(&points.0))?,
-    };
-    Ok(model)
+    let [cameras, images, points] = ["cameras", "images", "points3D"].map(read);
+    let parts = [&cameras?, &images?, &points?];
+    decoded(parts.map(|(at, bytes, is_binary)| (at.as_str(), bytes.as_slice(), *is_binary)))
+}
+
+/// One of a model's files: its place, its bytes, and `true` if these are binary.
+type Part<'a> = (&'a str, &'a [u8], bool);
+
+type Decoder<T> = fn(&[u8]) -> Result<Vec<T>, String>;
+
+fn decoded([cameras, images, points]: [Part<'_>; 3]) -> Result<Model, Error> {
+    Ok(Model {
+        cameras: entries(cameras, binary::cameras, text::cameras)?,
+        images: entries(images, binary::images, text::images)?,
+        points: entries(points, binary::points, text::points)?,
+    })
+}
+
+fn entries<T>(
+    (at, bytes, is_binary): Part<'_>,
+    from_binary: Decoder<T>,
+    from_text: Decoder<T>,
+) -> Result<Vec<T>, Error> {
+    let decode = if is_binary { from_binary } else { from_text };
+    decode(bytes).map_err(|fault| Error::File { at: at.to_owned(), fault })
 }
 
 /// Reads a model from the contents of its three files, each binary or text.
@@ -110,21 +110,7 @@ pub fn parse(
     points: &[u8],
     is_binary: bool,
 ) -> Result<Model, Error> {
-    let fail = |fault: String| Error::File { at: "the model".to_owned(), fault };
-    let model = if is_binary {
-        Model {
-            cameras: binary::cameras(cameras).map_err(fail)?,
-            images: binary::images(images).map_err(fail)?,
-            points: binary::points(points).map_err(fail)?,
-        }
-    } else {
-        Model {
-            cameras: text::cameras(cameras).map_err(fail)?,
-            images: text::images(images).map_err(fail)?,
-            points: text::points(points).map_err(fail)?,
-        }
-    };
-    Ok(model)
+    decoded([cameras, images, points].map(|bytes| ("the model", bytes, is_binary)))
 }
 
 /// The poses of a recording's cameras from a model.

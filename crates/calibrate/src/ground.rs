@@ -7,7 +7,7 @@ mod points;
 
 use bendtwin_capture::raw::{Calibration, Recording};
 use bendtwin_core::{
-    CancelToken, Plane, Point,
+    CancelToken, Point,
     geometry::{Vector, add, cross, dot, scaled, sub, turn, unit, wide},
 };
 use nalgebra::{Matrix3, Vector3};
@@ -93,12 +93,6 @@ pub fn level(recording: &Recording, ground: &Ground, centred: bool) -> Calibrati
     }
     calibration.ground = bendtwin_core::Environment::Z_UP.ground;
     calibration
-}
-
-impl From<Ground> for Plane {
-    fn from(ground: Ground) -> Self {
-        Self { normal: ground.normal, offset_m: ground.offset_m }
-    }
 }
 
 /// The rotation that turns a unit vector to z by the shortest way.

@@ -33,10 +33,8 @@ pub(crate) struct Observation {
 pub(crate) struct Poses {
     /// From the world to each camera.
     pub(crate) cameras: Vec<Isometry3<f64>>,
-    /// From the board to the world, each time it rests.
+    /// From the board to the world, each time it rests; the first stays.
     pub(crate) boards: Vec<Isometry3<f64>>,
-    /// Index of the board's pose that stays.
-    pub(crate) fixed: usize,
 }
 
 impl Poses {
@@ -67,10 +65,9 @@ impl Poses {
         seen.iter().map(cost).sum()
     }
 
-    /// Column of the first of six unknowns of a board's pose.
+    /// Column of the first of six unknowns of a board's pose; the first pose has none.
     fn board_column(&self, board: usize) -> Option<usize> {
-        let before = board - usize::from(board > self.fixed);
-        (board != self.fixed).then_some(6 * (self.cameras.len() + before))
+        board.checked_sub(1).map(|before| 6 * (self.cameras.len() + before))
     }
 
     /// Moves all poses by the six numbers of each, rotation and translation.

@@ -25,14 +25,12 @@ pub(crate) struct Joined {
     pub(crate) poses: Poses,
     /// Corners by which they were found.
     pub(crate) seen: Vec<Observation>,
-    /// The first frame of each of the board's poses.
+    /// The first frame of each of the board's poses; the first lies at z = 0.
     pub(crate) frames: Vec<usize>,
     /// Root mean square distance of corners for each camera [px].
     pub(crate) reprojection_px: Vec<f64>,
     /// `true` if the board rests in all views that were used.
     pub(crate) rests: bool,
-    /// The first frame in which the board lies at z = 0.
-    pub(crate) first_frame: usize,
 }
 
 /// Cameras that cannot be joined with the others, and those without a usable view.
@@ -73,7 +71,7 @@ fn join_rests(board: &Board, lenses: &[Lens], rests: &[&Rest]) -> Result<Joined,
         for (camera, seen) in rest.seen.iter().enumerate() {
             let points: Vec<_> = seen.iter().map(|(s, _)| board.corners[s.corner]).collect();
             let pixels: Vec<_> = seen.iter().map(|(s, _)| s.at).collect();
-            if let Some((pose, _)) = pnp::pose(&lenses[camera], &points, &pixels) {
+            if let Some(pose) = pnp::pose(&lenses[camera], &points, &pixels) {
                 views.push(View { camera, rest: index, pose });
             }
         }
@@ -94,7 +92,7 @@ fn join_rests(board: &Board, lenses: &[Lens], rests: &[&Rest]) -> Result<Joined,
             });
         }
     }
-    let mut poses = Poses { cameras, boards: boards.into_iter().flatten().collect(), fixed: 0 };
+    let mut poses = Poses { cameras, boards: boards.into_iter().flatten().collect() };
     poses.adjust(lenses, &seen);
     let distance = |poses: &Poses, o: &Observation| {
         poses.residual(lenses, o).map_or(f64::INFINITY, |[x, y]| x.hypot(y))
@@ -117,7 +115,6 @@ fn join_rests(board: &Board, lenses: &[Lens], rests: &[&Rest]) -> Result<Joined,
     Ok(Joined {
         reprojection_px: own.iter().map(|own| poses.rms(lenses, own)).collect(),
         frames: kept.iter().map(|rest| order[*rest].first).collect(),
-        first_frame: kept.first().map_or(0, |rest| order[*rest].first),
         poses,
         seen,
         rests: false,

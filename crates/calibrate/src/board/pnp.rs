@@ -12,14 +12,13 @@ use crate::lens::Lens;
 /// Least corners for a pose.
 pub(crate) const MIN_CORNERS: usize = 6;
 
-/// The motion from the board to the camera and its root mean square distance [px]. Of the two poses
-/// in which a plane looks nearly alike (Collins and Bartoli, *Infinitesimal plane-based pose
+/// The motion from the board to the camera. Of the two poses in which a plane looks nearly alike (Collins and Bartoli, *Infinitesimal plane-based pose
 /// estimation*, 2014) that which fits better. `None` for too few corners, or corners in a line.
 pub(crate) fn pose(
     lens: &Lens,
     points: &[[f64; 2]],
     pixels: &[[f64; 2]],
-) -> Option<(Isometry3<f64>, f64)> {
+) -> Option<Isometry3<f64>> {
     if points.len() < MIN_CORNERS {
         return None;
     }
@@ -31,8 +30,7 @@ pub(crate) fn pose(
         .map(|(point, at)| Observation { camera: 0, board: 0, point: *point, at: *at, weight: 1.0 })
         .collect();
     let refined = |start: Isometry3<f64>| {
-        let mut poses =
-            Poses { cameras: vec![start], boards: vec![Isometry3::identity()], fixed: 0 };
+        let mut poses = Poses { cameras: vec![start], boards: vec![Isometry3::identity()] };
         let rms = poses.adjust(&[*lens], &seen);
         let pose = poses.cameras[0];
         let finite = pose.to_homogeneous().iter().all(|x| x.is_finite());
@@ -42,7 +40,8 @@ pub(crate) fn pose(
     };
     let first = refined(start);
     let other = tilted(&first.map_or(start, |(pose, _)| pose)).and_then(refined);
-    first.into_iter().chain(other).min_by(|a, b| a.1.total_cmp(&b.1))
+    let best = first.into_iter().chain(other).min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map(|(pose, _)| pose)
 }
 
 /// The pose of a plane at z = 0 whose homography to the normalised image plane is known.
