@@ -250,8 +250,6 @@ impl Follower<'_> {
         let mut views = read(&self.scene.lenses, &mut self.readers, frame)?;
         self.see_table(&views);
         let marked = self.marked(frame, &views);
-        let forced: Vec<Vec<usize>> =
-            marked.iter().map(|pixels| pixels.iter().map(|(at, _)| *at).collect()).collect();
         let Some(reach) = Reach::around(places.iter().copied(), FIRST_REACH_M) else {
             return Err(Error::ObjectWithoutDepth);
         };
@@ -259,7 +257,7 @@ impl Follower<'_> {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let shot = self.scene.shoot(views, &self.looks, &reach, &forced);
+            let shot = self.scene.shoot(views, &self.looks, &reach, &marked);
             let seeds = label::seeds(&shot, &marked);
             if round == 0 {
                 let first = label::first(&shot, &seeds);
@@ -288,15 +286,13 @@ impl Follower<'_> {
             return Ok(before.clone());
         }
         let marked = self.marked(frame, &views);
-        let forced: Vec<Vec<usize>> =
-            marked.iter().map(|pixels| pixels.iter().map(|(at, _)| *at).collect()).collect();
-        let places = self.places(frame, &views, &forced);
+        let places = self.places(frame, &views, &marked);
         let Some(reach) = Reach::around(before.places().chain(places), REACH_M) else {
             // Nothing is left to follow.
             self.paint_nothing(frame, &views);
             return Ok(before.clone());
         };
-        let shot = self.scene.shoot(views, &self.looks, &reach, &forced);
+        let shot = self.scene.shoot(views, &self.looks, &reach, &marked);
         if shot.cells.is_empty() {
             // Nothing is in sight: what was known stays known.
             self.paint(frame, &shot, &[], &marked);
@@ -329,13 +325,18 @@ impl Follower<'_> {
     }
 
     /// Places of marked pixels.
-    fn places(&self, frame: usize, views: &[Option<View>], forced: &[Vec<usize>]) -> Vec<Point> {
+    fn places(
+        &self,
+        frame: usize,
+        views: &[Option<View>],
+        marked: &[Vec<(usize, usize)>],
+    ) -> Vec<Point> {
         let mut places = Vec::new();
-        for ((lens, view), pixels) in self.scene.lenses.iter().zip(views).zip(forced) {
+        for ((lens, view), pixels) in self.scene.lenses.iter().zip(views).zip(marked) {
             let Some(view) = view else { continue };
             let place_of = lens.places(frame);
-            let measured = pixels.iter().filter(|at| view.depths[**at] > 0.0);
-            places.extend(measured.map(|at| place_of(*at, view.depths[*at])));
+            let measured = pixels.iter().filter(|(at, _)| view.depths[*at] > 0.0);
+            places.extend(measured.map(|(at, _)| place_of(*at, view.depths[*at])));
         }
         places
     }

@@ -110,20 +110,20 @@ impl Scene<'_> {
         behind + by_height
     }
 
-    /// What a frame shows. `forced` are pixels of each camera that were marked: they have cells
-    /// wherever depth was measured.
+    /// What a frame shows. `marked` are the marked pixels of each camera, with their parts: they have
+    /// cells wherever depth was measured.
     pub(crate) fn shoot(
         &self,
         views: Vec<Option<View>>,
         looks: &Looks,
         reach: &Reach,
-        forced: &[Vec<usize>],
+        marked: &[Vec<(usize, usize)>],
     ) -> Shot {
         let looked: Vec<(Vec<f32>, Vec<Open>)> = views
             .par_iter()
             .enumerate()
             .map(|(camera, view)| match view {
-                Some(view) => self.look(camera, view, looks, reach, &forced[camera]),
+                Some(view) => self.look(camera, view, looks, reach, &marked[camera]),
                 None => (Vec::new(), Vec::new()),
             })
             .collect();
@@ -150,14 +150,14 @@ impl Scene<'_> {
         view: &View,
         looks: &Looks,
         reach: &Reach,
-        forced: &[usize],
+        marked: &[(usize, usize)],
     ) -> (Vec<f32>, Vec<Open>) {
         let lens = &self.lenses[camera];
         let place_of = lens.places(view.frame);
         let mut open = Vec::new();
         let mut evidence = vec![0.0; lens.len()];
         let mut is_forced = vec![false; lens.len()];
-        forced.iter().for_each(|at| is_forced[*at] = true);
+        marked.iter().for_each(|(at, _)| is_forced[*at] = true);
         for at in 0..lens.len() {
             let (depth, color) = (view.depths[at], view.colors[at]);
             let place = place_of(at, depth);
