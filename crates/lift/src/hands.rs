@@ -68,9 +68,7 @@ pub(crate) fn controls(
     let mut columns = Vec::new();
     let (mut hands, mut longest_gap) = (Vec::new(), 0);
     for (hand, group) in groups.iter().enumerate() {
-        // The first hands get what cannot be dealt out evenly.
-        let all = settings.count as usize;
-        let wanted = all / groups.len() + usize::from(hand < all % groups.len());
+        let wanted = dealt(settings, hand, groups.len());
         let tracks = tracks.select(group);
         let Some(body) = Body::fit(&tracks, settings) else {
             return Err(Error::NoHandTracks { tracks: group.len(), needed: MIN_TRACKS });
@@ -122,8 +120,19 @@ pub(crate) fn controls(
             None => body.carried(starts[i]),
         }));
     }
-    let points = (0..tracks.frames).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
+    let points = by_frame(&columns, tracks.frames);
     Ok(Controls { points, hands, longest_gap, findings })
+}
+
+/// Control points of one hand of `hands`: the first hands get what cannot be dealt out evenly.
+fn dealt(settings: &ControlSettings, hand: usize, hands: usize) -> usize {
+    let all = settings.count as usize;
+    all / hands + usize::from(hand < all % hands)
+}
+
+/// Positions frame by frame, shape [T, C, 3], of control points over time, shape [C][T].
+fn by_frame(columns: &[Vec<Point>], frames: usize) -> Vec<Point> {
+    (0..frames).flat_map(|f| columns.iter().map(move |c| c[f])).collect()
 }
 
 /// Finding of a hand that masks show, but that cannot be followed for longer than gaps are filled.

@@ -13,8 +13,9 @@ use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use super::{
     Controls, MIN_TRACKS,
     body::fill,
+    by_frame,
     contact::{Contact, holding},
-    long_gap,
+    dealt, long_gap,
 };
 use crate::{
     Error,
@@ -64,8 +65,7 @@ pub(crate) fn controls(
         };
         longest_gap = longest_gap.max(gap);
         gaps.extend(long_gap(hand, gap, settings));
-        let all = settings.count as usize;
-        let wanted = all / templates.len() + usize::from(hand < all % templates.len());
+        let wanted = dealt(settings, hand, templates.len());
         let (picked, distances_m) = contact.choose(&template.points, wanted);
         let mut residuals = motion.residuals_m;
         residuals.sort_by(f64::total_cmp);
@@ -83,7 +83,7 @@ pub(crate) fn controls(
         let trajectory = |i: usize| poses.iter().map(|p| p.apply(template.points[i])).collect();
         columns.extend(picked.into_iter().map(trajectory).collect::<Vec<Vec<Point>>>());
     }
-    let points = (0..clouds.len()).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
+    let points = by_frame(&columns, clouds.len());
     let by_shape = Finding::from_sentence(
         Severity::Info,
         "HAND_FOLLOWED_BY_SHAPE",

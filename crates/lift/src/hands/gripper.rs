@@ -8,7 +8,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::{
     Controls,
     body::fill,
+    by_frame,
     contact::{Contact, holding},
+    dealt,
 };
 use crate::{Error, evidence::HandEvidence, rigid::Rigid};
 
@@ -40,8 +42,7 @@ pub(crate) fn controls(
             |place: &Place| (0..frames).map(|f| poses[f].apply(place.at(widths[f]))).collect();
         let moving: Vec<Vec<Point>> = places.iter().map(motion).collect();
         let starts: Vec<Point> = moving.iter().filter_map(|place| place.first().copied()).collect();
-        let all = settings.count as usize;
-        let wanted = all / grippers.len() + usize::from(index < all % grippers.len());
+        let wanted = dealt(settings, index, grippers.len());
         let (picked, distances_m) = contact.choose(&starts, wanted);
         made.longest_gap = made.longest_gap.max(gap);
         made.hands.push(HandEvidence {
@@ -53,7 +54,7 @@ pub(crate) fn controls(
         });
         columns.extend(picked.into_iter().map(|i| moving[i].clone()));
     }
-    made.points = (0..frames).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
+    made.points = by_frame(&columns, frames);
     Ok(made)
 }
 

@@ -31,7 +31,6 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     let Assembly { recording, settings, .. } = *from;
     let mut evidence = Evidence { cameras: from.cameras(), ..Evidence::default() };
     let mut object = from.gather(TrackLabel::Object);
-    let hand = from.gather(TrackLabel::Manipulator);
     refuse_nothing(&evidence, from.tracks, &object)?;
     check(cancel)?;
 
@@ -78,7 +77,7 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         let object = [kept.points_at(0), &shape.surface, &shape.interior].concat();
         let contact = Contact::new(object, hands.to_vec());
         let made = if grippers.is_empty() {
-            follow(from, &hand, &clouds, &contact)?
+            follow(from, &clouds, &contact)?
         } else {
             hands::gripper::controls(grippers, recording.frame_count, &contact, &settings.controls)?
         };
@@ -128,11 +127,11 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
 /// these are lost for long.
 fn follow(
     from: &Assembly<'_>,
-    hand: &Tracks,
     clouds: &[Vec<Point>],
     contact: &Contact,
 ) -> Result<Controls, Error> {
     let settings = &from.settings.controls;
+    let hand = &from.gather(TrackLabel::Manipulator);
     let by_shape = || hands::cloud::controls(clouds, hand.count, contact, settings);
     if hand.count < MIN_TRACKS {
         return by_shape();
