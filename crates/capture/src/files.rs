@@ -291,6 +291,7 @@ impl<'a> Files<'a> {
     /// A file that must exist, to be read where it lies; one that is compressed in an archive is
     /// read into memory.
     pub(crate) fn section(&mut self, name: &str) -> Result<Section, Error> {
+        self.refuse_disguised(name)?;
         let full = format!("{}{name}", self.prefix);
         let found = match &mut self.source {
             Source::Folder(root) => {

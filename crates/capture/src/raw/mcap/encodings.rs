@@ -140,12 +140,10 @@ pub(super) fn meaning(topic: &Topic) -> Meaning {
     }
     let says = names::says(&topic.name);
     let content = content(topic.kind, &topic.head.encoding);
-    if let Says::Neither(what) = says {
-        return Meaning::Other(format!("by its name it is {what}"));
-    }
     let depth = || Meaning::Depth { rank: names::depth_rank(&topic.name) };
     let other = |because: &str| Meaning::Other(because.to_owned());
     match (content, says) {
+        (_, Says::Neither(what)) => other(&format!("by its name it is {what}")),
         (Content::Depth, Says::Color) => {
             other("it holds numbers as depth does, but its name says colour")
         }
@@ -160,7 +158,6 @@ pub(super) fn meaning(topic: &Topic) -> Meaning {
             other("it is a picture of depth, which holds no distances")
         }
         (Content::Color | Content::File, _) => Meaning::Color { gray: false },
-        (Content::Gray, Says::Neither(_)) => Meaning::Color { gray: true },
         (Content::Unknown, _) => Meaning::Other(unknown(topic)),
     }
 }

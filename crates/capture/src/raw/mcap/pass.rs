@@ -8,7 +8,7 @@ use super::{
     chunk::{Chunk, Compression, MAX_CHUNK},
     index::{Index, Stamped, Topic},
     messages::{self, ImageHead, Kind, Wire},
-    place::{Part, Place, is_packed, unpacked},
+    place::{Part, Place, is_packed, unpacked, unpacked_start},
     record::{Fields, PREFIX, Record, Region},
     zstd,
 };
@@ -74,11 +74,6 @@ impl<'a> Pass<'a> {
         self.schemas.clear();
         self.channels.clear();
         let start = part.read(0, part.len().min(MAGIC.len() as u64))?;
-        if start.starts_with(b"version ") {
-            return Err(part.damaged(
-                "it is a pointer of Git LFS and not the file itself: fetch it with `git lfs pull`",
-            ));
-        }
         if start != MAGIC {
             return Err(part.damaged("it is no MCAP file"));
         }
@@ -223,8 +218,6 @@ impl<'a> Pass<'a> {
             region,
         };
         let log_ns = i64::try_from(log_time).unwrap_or(i64::MAX);
-        let wrong =
-            |topic: &str| part.damaged(format!("a message of `{topic}` is not as its schema says"));
         match self.channels.get(&channel) {
             Some(&Some(Role::Images { topic })) => self.image(topic, &message, log_ns),
             Some(Some(Role::Calibration { topic, wire })) => {
@@ -233,15 +226,16 @@ impl<'a> Pass<'a> {
                 }
                 let (topic, wire) = (topic.clone(), *wire);
                 let bytes = self.whole(wire, &message, MAX_MESSAGE)?;
-                let calibration =
-                    messages::calibration(wire, &bytes).ok_or_else(|| wrong(&topic))?;
+                let calibration = messages::calibration(wire, &bytes)
+                    .ok_or_else(|| part.wrong_message(&topic))?;
                 self.index.calibrations.insert(topic, calibration);
                 at_most("topics", self.index.calibrations.len(), MAX_CHANNELS)?;
                 Ok(())
             }
             Some(&Some(Role::Transforms { kind, wire, fixed })) => {
                 let bytes = self.whole(wire, &message, MAX_MESSAGE)?;
-                let all = messages::transforms(kind, wire, &bytes).ok_or_else(|| wrong("tf"))?;
+                let all = messages::transforms(kind, wire, &bytes)
+                    .ok_or_else(|| part.wrong_message("tf"))?;
                 for transform in all {
                     self.index.tree.add(transform, fixed)?;
                 }
@@ -258,10 +252,7 @@ impl<'a> Pass<'a> {
         let Some(&Topic { kind, wire, .. }) = self.index.topics.get(topic) else { return Ok(()) };
         let head = self.image_head(kind, wire, message)?;
         let Some(topic) = self.index.topics.get_mut(topic) else { return Ok(()) };
-        let head = head.ok_or_else(|| {
-            let name = &topic.name;
-            self.part.damaged(format!("a message of `{name}` is not as its schema says"))
-        })?;
+        let head = head.ok_or_else(|| self.part.wrong_message(&topic.name))?;
         let ns = if head.stamp_ns == 0 { log_ns } else { head.stamp_ns };
         if topic.images.is_empty() {
             topic.head = head;
@@ -285,8 +276,7 @@ impl<'a> Pass<'a> {
             return Ok(messages::image_head(kind, wire, message.start));
         }
         let packed = self.packed(message, MAX_CHUNK)?;
-        let start = zstd::unpack(&packed, PREFIX, zstd::MOST_WINDOW)
-            .map_err(|e| self.part.damaged(format!("a compressed message does not unpack: {e}")))?;
+        let start = unpacked_start(&packed, PREFIX).map_err(|fault| self.part.damaged(fault))?;
         Ok(messages::image_head(kind, wire, &start))
     }
 
@@ -301,8 +291,7 @@ impl<'a> Pass<'a> {
             return message.read(self.part, cap);
         }
         let packed = self.packed(message, cap)?;
-        let content = unpacked(wire, &packed, cap).map_err(|fault| self.part.damaged(fault))?;
-        Ok(Cow::Owned(content.into_owned()))
+        unpacked(&packed, cap).map(Cow::Owned).map_err(|fault| self.part.damaged(fault))
     }
 
     /// The bytes of a compressed message, after those that it unpacks to were counted.

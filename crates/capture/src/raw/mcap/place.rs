@@ -1,6 +1,6 @@
 //! Places of messages, and fetching them again.
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
 use super::{chunk::Chunk, messages::Wire, zstd};
 use crate::{Error, files::Section};
@@ -33,6 +33,10 @@ impl Part {
 
     pub(super) fn damaged(&self, fault: impl Into<String>) -> Error {
         Error::Damaged { at: self.name.clone(), fault: fault.into() }
+    }
+
+    pub(super) fn wrong_message(&self, topic: &str) -> Error {
+        self.damaged(format!("a message of `{topic}` is not as its schema says"))
     }
 
     /// Bytes of the file; `length` must have been compared with a limit.
@@ -85,12 +89,11 @@ impl Store {
         wire: Wire,
     ) -> Result<Vec<u8>, Error> {
         let bytes = self.message(place, chunks, cap)?;
-        let part = self.part(place.part)?;
-        match unpacked(wire, &bytes, cap) {
-            Ok(Cow::Borrowed(_)) => Ok(bytes),
-            Ok(Cow::Owned(unpacked)) => Ok(unpacked),
-            Err(fault) => Err(part.damaged(fault)),
+        if !is_packed(wire, &bytes) {
+            return Ok(bytes);
         }
+        let part = self.part(place.part)?;
+        unpacked(&bytes, cap).map_err(|fault| part.damaged(fault))
     }
 
     fn part(&self, number: u32) -> Result<&Part, Error> {
@@ -127,22 +130,23 @@ impl Store {
     }
 }
 
-/// A message of ROS 2 as `ros2 bag record --compression-mode message` writes it, unpacked to at most
-/// `cap` bytes; any other message unchanged. CDR begins with other bytes than Zstandard.
-pub(super) fn unpacked(wire: Wire, bytes: &[u8], cap: u64) -> Result<Cow<'_, [u8]>, String> {
-    if !is_packed(wire, bytes) {
-        return Ok(Cow::Borrowed(bytes));
-    }
-    let most = cap.saturating_add(1);
-    let content = zstd::unpack(bytes, most, zstd::MOST_WINDOW)
-        .map_err(|fault| format!("a compressed message does not unpack: {fault}"))?;
+/// A message that was compressed by itself, unpacked to at most `cap` bytes.
+pub(super) fn unpacked(packed: &[u8], cap: u64) -> Result<Vec<u8>, String> {
+    let content = unpacked_start(packed, cap.saturating_add(1))?;
     if content.len() as u64 > cap {
         return Err(format!("a compressed message unpacks to more than {cap} bytes"));
     }
-    Ok(Cow::Owned(content))
+    Ok(content)
 }
 
-/// `true` for a message that was compressed by itself.
+/// The first `most` bytes of such a message.
+pub(super) fn unpacked_start(packed: &[u8], most: u64) -> Result<Vec<u8>, String> {
+    zstd::unpack(packed, most, zstd::MOST_WINDOW)
+        .map_err(|fault| format!("a compressed message does not unpack: {fault}"))
+}
+
+/// `true` for a message of ROS 2 that was compressed by itself, as `ros2 bag record
+/// --compression-mode message` writes it. CDR begins with other bytes than Zstandard.
 pub(super) fn is_packed(wire: Wire, bytes: &[u8]) -> bool {
     wire == Wire::Ros2 && bytes.starts_with(zstd::MAGIC)
 }

@@ -57,9 +57,7 @@ pub(super) fn recording(
     let chosen = topics::choose(&index, &mut sources)?;
     let world = world(&index, &chosen, &settings, &wrong)?;
     let up = settings.up_axis.as_deref().unwrap_or("+z");
-    let frame = Frame::from_up(up).ok_or_else(|| {
-        Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
-    })?;
+    let frame = Frame::of_up_axis(up)?;
     // Seconds since the first image: small numbers keep their digits.
     let first = |c: &CameraTopics<'_>| c.color.images.first().map(|i| i.ns);
     let start = chosen.iter().filter_map(first).min().unwrap_or(0);
