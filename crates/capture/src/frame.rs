@@ -30,6 +30,16 @@ impl Frame {
         Some(Self { rotation, metres: 1.0 })
     }
 
+    /// The frame of a document's `up_axis`, see [`Frame::from_up`].
+    ///
+    /// # Errors
+    /// If it is no axis.
+    pub(crate) fn of_up_axis(axis: &str) -> Result<Self, Error> {
+        Self::from_up(axis).ok_or_else(|| {
+            Error::Axes(format!("`up_axis` is `{axis}`: it must be one of +x, -x, +y, -y, +z, -z"))
+        })
+    }
+
     /// Metres per unit.
     pub(crate) fn metres_per(units: &str) -> Result<f32, Error> {
         match units {

@@ -25,8 +25,8 @@ use crate::{
 
 pub use markers::described;
 pub(crate) use markers::{
-    has as has_markers, is_file as is_markers, read_file as read_markers,
-    read_in as read_markers_in, read_packed as read_packed_markers,
+    files_of as files_of_markers, has as has_markers, is_file as is_markers,
+    read_file as read_markers, read_in as read_markers_in, read_packed as read_packed_markers,
 };
 
 /// Lowest height that both datasets record [m]: their floor, to which DEFORM clips.
@@ -99,12 +99,7 @@ fn description_of(npz: &str) -> String {
 }
 
 fn read(files: &mut Files<'_>, description: &Description) -> Result<Capture, Error> {
-    let frame = Frame::from_up(&description.up_axis).ok_or_else(|| {
-        Error::Axes(format!(
-            "`up_axis` is `{}`: it must be one of +x, -x, +y, -y, +z, -z",
-            description.up_axis
-        ))
-    })?;
+    let frame = Frame::of_up_axis(&description.up_axis)?;
     let frame = Frame { metres: Frame::metres_per(&description.units)?, ..frame };
     let clipped = description.metric.to_string().contains("clipped to");
 

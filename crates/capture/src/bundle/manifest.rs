@@ -157,12 +157,7 @@ impl Manifest {
                 )));
             }
         }
-        let frame = Frame::from_up(&self.up_axis).ok_or_else(|| {
-            Error::Axes(format!(
-                "`up_axis` is `{}`: it must be one of +x, -x, +y, -y, +z, -z",
-                self.up_axis
-            ))
-        })?;
+        let frame = Frame::of_up_axis(&self.up_axis)?;
         Ok(Frame { metres: Frame::metres_per(&self.units)?, ..frame })
     }
 

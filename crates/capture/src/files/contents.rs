@@ -39,16 +39,7 @@ pub fn files_read(path: &Path, limits: &Limits) -> Result<FilesRead, Error> {
                 files: vec![name(file.file_name())],
             });
         }
-        Place::Markers(path) => {
-            let described = mocap::described(path);
-            let alone = || FilesRead {
-                name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-                folder: String::new(),
-                format: Format::Markers.words(),
-                files: vec![path.file_name().unwrap_or_default().to_string_lossy().into_owned()],
-            };
-            return Ok(described.unwrap_or_else(alone));
-        }
+        Place::Markers(path) => return Ok(mocap::files_of_markers(path)),
         Place::Arrays(path) | Place::Files(path) => Files::open(path, limits)?,
     };
     files.keep_names();

@@ -12,7 +12,7 @@ mod gaps;
 mod names;
 mod trc;
 
-use std::{borrow::Cow, fs::File, io::Read as _, path::Path};
+use std::{borrow::Cow, ffi::OsStr, fs::File, io::Read as _, path::Path};
 
 use bendtwin_core::{Capture, Point};
 use serde::Deserialize;
@@ -169,16 +169,26 @@ fn packed(contents: &Contents) -> Vec<String> {
     contents.files.iter().filter(|name| Kind::named(name).is_some()).cloned().collect()
 }
 
-/// A file of markers and its description, if there is one beside it.
-pub fn described(path: &Path) -> Option<FilesRead> {
-    let name = path.file_name()?.to_str()?;
-    let document = description_of(name);
-    (is_file(path) && path.with_file_name(&document).is_file()).then(|| FilesRead {
-        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+/// A file of markers, and its description if there is one beside it.
+pub(crate) fn files_of(path: &Path) -> FilesRead {
+    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let name = text(path.file_name());
+    let document = description_of(&name);
+    let mut files = vec![name];
+    if path.with_file_name(&document).is_file() {
+        files.push(document);
+    }
+    FilesRead {
+        name: text(path.file_stem()),
         folder: String::new(),
         format: Format::Markers.words(),
-        files: vec![name.to_owned(), document],
-    })
+        files,
+    }
+}
+
+/// A file of markers and its description, if there is one beside it.
+pub fn described(path: &Path) -> Option<FilesRead> {
+    is_file(path).then(|| files_of(path)).filter(|read| read.files.len() > 1)
 }
 
 /// Reads the only file of markers in a folder or an archive, with its description if there is one.
@@ -286,9 +296,7 @@ fn damaged(at: &str, fault: impl Into<String>) -> Error {
 
 /// The frame in which lengths are metres and z points up.
 fn frame(axis: &str, units: &str) -> Result<Frame, Error> {
-    let turned = Frame::from_up(axis).ok_or_else(|| {
-        Error::Axes(format!("`up_axis` is `{axis}`: it must be one of +x, -x, +y, -y, +z, -z"))
-    })?;
+    let turned = Frame::of_up_axis(axis)?;
     let units = match units.trim().to_ascii_lowercase().as_str() {
         "m" | "meters" | "metres" | "meter" | "metre" => "m",
         "cm" | "centimeters" | "centimetres" => "cm",

@@ -146,7 +146,7 @@ fn gripper(
     let poses = match columns {
         7 | 12 | 16 if numbers.len() == frames * columns => numbers
             .chunks_exact(columns)
-            .map(|row| Ok(pose(&name, row)?.map(|pose| with_axes(&pose, &axes).turned(frame))))
+            .map(|row| Ok(pose(&name, row)?.map(|pose| pose.after(&axes).turned(frame))))
             .collect::<Result<Vec<_>, Error>>()?,
         _ => {
             return Err(wrong(format!(
@@ -232,8 +232,8 @@ fn pose(name: &str, row: &[f64]) -> Result<Option<Pose>, Error> {
     settle_pose(&what, &pose).map(Some)
 }
 
-/// The rotation from the axes of this program to those of the poses, by columns x, y, z.
-fn axes(name: &str, axes: &Axes) -> Result<[[f64; 3]; 3], Error> {
+/// The rotation from the axes of this program to those of the poses.
+fn axes(name: &str, axes: &Axes) -> Result<Pose, Error> {
     let unit = |axis: &str| -> Option<[f64; 3]> {
         let (sign, letter) = match axis.as_bytes() {
             [b'+', letter] | [letter] => (1.0, letter),
@@ -254,13 +254,9 @@ fn axes(name: &str, axes: &Axes) -> Result<[[f64; 3]; 3], Error> {
             "gripper `{name}` approaches and opens along one axis: these differ"
         )));
     }
-    Ok([cross(y, z), y, z])
-}
-
-/// The pose of the axes of this program.
-fn with_axes(pose: &Pose, [x, y, z]: &[[f64; 3]; 3]) -> Pose {
-    let rotation = pose.rotation.map(|row| [x, y, z].map(|column| dot(row, *column)));
-    Pose { rotation, ..*pose }
+    let columns = [cross(y, z), y, z];
+    let rotation = std::array::from_fn(|i| columns.map(|column| column[i]));
+    Ok(Pose { rotation, ..Pose::IDENTITY })
 }
 
 fn wrong(fault: String) -> Error {

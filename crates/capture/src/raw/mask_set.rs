@@ -66,21 +66,6 @@ impl MaskSet {
         Ok(set)
     }
 
-    /// Number of cameras.
-    pub fn camera_count(&self) -> usize {
-        self.cameras.len()
-    }
-
-    /// Number of frames T.
-    pub fn frame_count(&self) -> usize {
-        self.cameras.first().map_or(0, |camera| camera.frames.len())
-    }
-
-    /// Columns and rows of a camera's masks.
-    pub fn size(&self, camera: usize) -> Option<[usize; 2]> {
-        self.cameras.get(camera).map(|camera| camera.size)
-    }
-
     /// `true` if no camera has a mask in any frame.
     pub fn is_empty(&self) -> bool {
         self.cameras.iter().all(|camera| camera.frames.iter().all(Option::is_none))
@@ -122,22 +107,13 @@ impl MaskSet {
     /// What the pixels of an image show; `None` if it has no mask.
     pub fn shown(&self, camera: usize, frame: usize) -> Option<Image<Option<Region>>> {
         let of_camera = self.cameras.get(camera)?;
+        let bytes = of_camera.frames.get(frame)?.as_deref()?;
         let [width, height] = of_camera.size;
         let mut pixels = Vec::with_capacity(width * height);
-        for (length, shown) in self.runs(camera, frame)? {
+        for (length, shown) in Runs(bytes) {
             pixels.resize(pixels.len() + length, shown);
         }
         Some(Image { width, height, pixels })
-    }
-
-    /// Runs of equal pixels of an image row by row, each with its length; `None` if it has no mask.
-    pub fn runs(
-        &self,
-        camera: usize,
-        frame: usize,
-    ) -> Option<impl Iterator<Item = (usize, Option<Region>)> + '_> {
-        let bytes = self.cameras.get(camera)?.frames.get(frame)?.as_deref()?;
-        Some(Runs(bytes))
     }
 
     /// The mask of a region in an image; `None` if it has no mask.

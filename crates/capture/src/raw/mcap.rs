@@ -31,7 +31,7 @@ use self::{index::Index, place::Store};
 use super::Recording;
 use crate::{
     Error, Limits, Sources,
-    files::{Files, Section, SharedFile},
+    files::{Files, Section, SharedFile, shortened},
 };
 
 /// `true` if an MCAP file lies at a path, which may be compressed as a whole. Its name does not
@@ -66,10 +66,9 @@ pub(super) fn read(mut files: Files<'_>) -> Result<Recording, Error> {
         parts::expect_one(&parts.parts, &index)?;
     }
     if parts.parts.len() > 1 {
-        let names: Vec<&str> = parts.parts.iter().take(4).map(|part| &part.name[..]).collect();
-        let more = if parts.parts.len() > 4 { ", ..." } else { "" };
-        let form = format!("{} files, as one recording", parts.parts.len());
-        sources.take("recording", None, names.join(", ") + more, form);
+        let names: Vec<String> = parts.parts.iter().map(|part| part.name.clone()).collect();
+        let form = format!("{} files, as one recording", names.len());
+        sources.take("recording", None, shortened(&names, names.len()), form);
     }
     rig::recording(&name, Store::new(parts.parts), index, sources, &limits)
 }

@@ -38,9 +38,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     let mut document: Document = json(&files.read_document(MARKER)?, MARKER)?;
     document.settle_paths();
     let up = document.up_axis.as_deref().unwrap_or("+z");
-    let frame = Frame::from_up(up).ok_or_else(|| {
-        Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
-    })?;
+    let frame = Frame::of_up_axis(up)?;
     let unit_m = document.depth_unit_scale_factor.unwrap_or(DEPTH_UNIT_M);
     let scale = document.applied_scale.unwrap_or(1.0);
     if !(scale.is_finite() && scale > 0.0) {

@@ -50,9 +50,7 @@ pub(super) fn read(
         (count, _) => count,
     };
     let up = metadata.up_axis.as_deref().unwrap_or("-z");
-    let frame = Frame::from_up(up).ok_or_else(|| {
-        Error::Axes(format!("`up_axis` is `{up}`: it must be one of +x, -x, +y, -y, +z, -z"))
-    })?;
+    let frame = Frame::of_up_axis(up)?;
     validity::count(metadata.camera_count, metadata.frame_num.unwrap_or(1), &files.limits)?;
     let mut sources = Sources::default();
     let mut notes = Vec::new();
@@ -69,7 +67,7 @@ pub(super) fn read(
     let masks = masks.sort(
         &metadata.object_labels,
         &cameras,
-        &|_| numbering,
+        numbering,
         &colors,
         &mut notes,
         &mut sources,

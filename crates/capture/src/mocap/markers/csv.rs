@@ -5,6 +5,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use bendtwin_core::geometry::cross;
+
 use super::{Mark, Markers, charge_cells, damaged, reserve};
 use crate::{Error, Limits, limits::Budget};
 
@@ -197,9 +199,6 @@ impl Place {
 
 /// Turns a vector by a quaternion of x, y, z and w.
 fn turn([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
     let axis = [x, y, z];
     let t = cross(axis, v).map(|c| 2.0 * c);
     let u = cross(axis, t);

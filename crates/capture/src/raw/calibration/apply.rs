@@ -1,6 +1,6 @@
 //! Replaces lenses, poses and ground of a recording.
 
-use bendtwin_core::Environment;
+use bendtwin_core::{Environment, geometry};
 
 use super::{CalibratedCamera, Calibration};
 use crate::{
@@ -106,8 +106,8 @@ fn motion(cameras: &[Camera], pairs: &[Option<&CalibratedCamera>]) -> Option<Pos
     // The median distance: one camera that was corrected does not count.
     let median = |pose: &Pose| {
         let mut all: Vec<f64> = motions.iter().map(|other| apart(pose, other)).collect();
-        all.sort_by(f64::total_cmp);
-        all[all.len() / 2]
+        // It has the distance of the pose from itself at least.
+        geometry::median(&mut all).unwrap_or(f64::INFINITY)
     };
     motions.iter().min_by(|a, b| median(a).total_cmp(&median(b))).copied()
 }
@@ -115,10 +115,7 @@ fn motion(cameras: &[Camera], pairs: &[Option<&CalibratedCamera>]) -> Option<Pos
 /// Distance between where two motions take the corners of a metre [m].
 fn apart(a: &Pose, b: &Pose) -> f64 {
     [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-        .map(|p| {
-            let (p, q) = (a.moved(p), b.moved(p));
-            (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
-        })
+        .map(|p| geometry::distance(a.moved(p), b.moved(p)))
         .iter()
         .sum::<f64>()
 }

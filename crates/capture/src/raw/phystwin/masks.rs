@@ -182,7 +182,7 @@ impl Found {
     }
 
     /// Sorts the masks into regions and adds what was understood of them. `chosen` are the labels
-    /// that are declared to be the object, `numbering` is that of a camera's images `color`.
+    /// that are declared to be the object, `numbering` is that of the cameras' images `colors`.
     ///
     /// # Errors
     /// If labels are unclear, or numbers are not those of the images.
@@ -190,7 +190,7 @@ impl Found {
         self,
         chosen: &[String],
         cameras: &[Camera],
-        numbering: &dyn Fn(usize) -> Numbering,
+        numbering: Numbering,
         colors: &[&Images],
         notes: &mut Vec<Finding>,
         sources: &mut Sources,
@@ -218,9 +218,9 @@ impl Found {
                 if let (parts::Stored::Images(images), Some(color)) =
                     (&part.stored, colors.get(index))
                 {
-                    images.expect_within(numbering(index), color)?;
+                    images.expect_within(numbering, color)?;
                 }
-                of_camera[place].push(part.files(numbering(index)));
+                of_camera[place].push(part.files(numbering));
             }
             regions.push(of_camera.map(joined));
         }

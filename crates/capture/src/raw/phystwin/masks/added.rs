@@ -63,7 +63,7 @@ impl Recording {
         let stale = ["MASK_LABELS", "MASK_INFO_MISMATCH", "MASKS_NOT_FOUND"];
         self.notes.retain(|note| !stale.contains(&&*note.code));
         let regions = found
-            .sort(&[], &self.cameras, &|_| numbering, &[], &mut self.notes, &mut self.sources)
+            .sort(&[], &self.cameras, numbering, &[], &mut self.notes, &mut self.sources)
             .map_err(|error| match error {
                 Error::MaskLabels(fault) => Error::MaskLabels(format!("{fault}; {NAMED}")),
                 other => other,

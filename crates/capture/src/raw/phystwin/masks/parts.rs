@@ -17,7 +17,7 @@ use crate::{
 
 /// Extensions of masks of one frame, the preferred first. Of a tool that writes arrays and pictures
 /// of them the arrays count.
-const EXTENSIONS: &[&str] = &["npy", "npz", "png", "json", "jpg", "jpeg"];
+const EXTENSIONS: &[&[&str]] = &[&["npy"], &["npz"], &["png"], &["json"], &["jpg", "jpeg"]];
 /// Extensions of files with all frames.
 const WHOLE: &[&str] = &["npz", "npy", "json"];
 /// Folders that say nothing about what is in them.
@@ -204,9 +204,8 @@ fn check_pixels(
 fn images_in(files: &mut Files<'_>, folder: &str) -> Result<Images, Error> {
     let mut names = files.list(folder).files;
     names.retain(|name| !super::documents::is_one(name));
-    for extension in EXTENSIONS {
-        let wanted: &[&str] = if *extension == "jpg" { &["jpg", "jpeg"] } else { &[extension] };
-        let images = Images::among(files, folder, &names, wanted)?;
+    for extensions in EXTENSIONS {
+        let images = Images::among(files, folder, &names, extensions)?;
         if !images.is_empty() {
             return Ok(images);
         }
