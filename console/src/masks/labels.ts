@@ -1,6 +1,7 @@
-import { Blocks } from '../playback/file/blocks';
+import type { Blocks } from '../playback/file/blocks';
 import type { CameraHead } from '../playback/file/head';
 import type { Read } from '../playback/file/motion';
+import { blocksOf } from '../playback/file/pieces';
 
 /** Labels of pixels, by their numbers in a playback. */
 export const OBJECT = 1;
@@ -37,32 +38,22 @@ export function readLabels(runs: Uint8Array, pixels: number): Uint8Array {
 
 /** Masks of a camera, fetched on demand. */
 export class Masks {
-  readonly #starts: readonly number[];
+  readonly #count: number;
   readonly #blocks: Blocks<(Uint8Array | null)[]>;
 
   constructor(
     private readonly camera: CameraHead,
     read: Read,
   ) {
-    const { lengths, bytes } = camera.masks ?? { lengths: [], bytes: [0, 0] };
-    let at = 0;
-    const starts = (this.#starts = [0, ...lengths.map((length) => (at += length))]);
+    const pieces = camera.masks ?? { lengths: [], bytes: [0, 0] as const };
+    this.#count = pieces.lengths.length;
     const [columns, rows] = camera.images.size;
-    this.#blocks = new Blocks(TOGETHER, KEPT, async (block) => {
-      const first = block * TOGETHER;
-      const end = Math.min(first + TOGETHER, lengths.length);
-      const from = starts[first]!;
-      const runs = await read([bytes[0] + from, starts[end]! - from]);
-      return lengths.slice(first, end).map((length, i) => {
-        const start = starts[first + i]! - from;
-        return length === 0 ? null : readLabels(runs.subarray(start, start + length), columns * rows);
-      });
-    });
+    this.#blocks = blocksOf<Uint8Array>(pieces, read, [TOGETHER, KEPT], (runs) => readLabels(runs, columns * rows));
   }
 
   /** True if the camera has masks. */
   get isThere(): boolean {
-    return this.#starts.length > 1;
+    return this.#count > 0;
   }
 
   /** Labels of the image of a frame: undefined while they are not here, null if there are none. */
@@ -80,7 +71,7 @@ export class Masks {
   }
 
   #indexOf(frame: number): number | null {
-    const index = Math.min(Math.floor(frame / this.camera.images.every), this.#starts.length - 2);
+    const index = Math.min(Math.floor(frame / this.camera.images.every), this.#count - 1);
     return index >= 0 ? index : null;
   }
 }

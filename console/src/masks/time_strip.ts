@@ -1,3 +1,4 @@
+import { begun, onPressed } from '../playback/canvas';
 import { Images } from '../playback/camera/images';
 import type { CameraHead } from '../playback/file/head';
 import type { Read } from '../playback/file/motion';
@@ -43,17 +44,7 @@ export class TimeStrip {
     this.#images = new Images(camera, read, undefined, 1);
     const place = h('div', { class: 'masks-time' }, this.#strip, this.#bar);
     this.element = h('div', { class: 'masks-line' }, h('p', { class: 'masks-name' }, h('bdi', {}, camera.name)), place, this.#text);
-    const point = (event: PointerEvent): void => {
-      const { left, width } = place.getBoundingClientRect();
-      seek(Math.floor(((event.clientX - left) / Math.max(width, 1)) * frameCount));
-    };
-    place.addEventListener('pointerdown', (event) => {
-      place.setPointerCapture(event.pointerId);
-      point(event);
-    });
-    place.addEventListener('pointermove', (event) => {
-      if (place.hasPointerCapture(event.pointerId)) point(event);
-    });
+    onPressed(place, (share) => seek(Math.floor(share * frameCount)));
     this.#resize.observe(place);
   }
 
@@ -182,15 +173,4 @@ export function doubtLegend(): HTMLElement {
     return h('span', {}, swatch, from === 0 ? word : `${word}, from ${percent(from)}`);
   });
   return h('p', { class: 'hint masks-legend' }, 'Doubt, the share of object and hand whose mask is uncertain: ', ...entries);
-}
-
-/** A canvas that was cleared, in pixels of the page. */
-function begun(canvas: HTMLCanvasElement, height: number): { context: CanvasRenderingContext2D; width: number } | null {
-  const context = canvas.getContext('2d');
-  const width = canvas.clientWidth;
-  if (context === null || width === 0) return null;
-  canvas.width = Math.round(width * devicePixelRatio);
-  canvas.height = Math.round(height * devicePixelRatio);
-  context.scale(devicePixelRatio, devicePixelRatio);
-  return { context, width };
 }

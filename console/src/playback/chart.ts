@@ -1,5 +1,6 @@
 import { h } from '../ui/dom';
 import { millimetres } from '../ui/format';
+import { begun, onPressed } from './canvas';
 import type { FrameErrors, Prediction } from './prediction';
 
 const HEIGHT = 96;
@@ -23,17 +24,7 @@ export class ErrorChart {
     seek: (frame: number) => void,
   ) {
     this.element = h('div', { class: 'playback-chart' }, this.#canvas, this.#values);
-    const point = (event: PointerEvent): void => {
-      const { left, width } = this.#canvas.getBoundingClientRect();
-      seek(Math.round(((event.clientX - left) / Math.max(width, 1)) * (frameCount - 1)));
-    };
-    this.#canvas.addEventListener('pointerdown', (event) => {
-      this.#canvas.setPointerCapture(event.pointerId);
-      point(event);
-    });
-    this.#canvas.addEventListener('pointermove', (event) => {
-      if (this.#canvas.hasPointerCapture(event.pointerId)) point(event);
-    });
+    onPressed(this.#canvas, (share) => seek(Math.round(share * (frameCount - 1))));
     this.#resize.observe(this.#canvas);
   }
 
@@ -81,13 +72,9 @@ export class ErrorChart {
   }
 
   #draw(): void {
-    const context = this.#canvas.getContext('2d');
-    const width = this.#canvas.clientWidth;
-    if (context === null || width === 0) return;
-    const ratio = devicePixelRatio;
-    this.#canvas.width = Math.round(width * ratio);
-    this.#canvas.height = Math.round(HEIGHT * ratio);
-    context.scale(ratio, ratio);
+    const drawing = begun(this.#canvas, HEIGHT);
+    if (drawing === null) return;
+    const { context, width } = drawing;
     const style = getComputedStyle(this.element);
     const colour = (name: string): string => style.getPropertyValue(name).trim();
     const x = (frame: number): number => (frame / Math.max(this.frameCount - 1, 1)) * width;

@@ -66,10 +66,10 @@ export class CalibrationCard {
   }
 
   /** A button that reads the capture again with other settings of the calibration. */
-  button(text: string, change: InUse, className: string | null = null): HTMLElement {
+  button(text: string, change: InUse): HTMLElement {
     const act = (): Promise<void> => this.#read(change);
     const faults = faultPlace();
-    return h('div', {}, actionButton(this.context, text, faults, act, className), faults);
+    return h('div', {}, actionButton(this.context, text, faults, act), faults);
   }
 
   async #read(change: InUse): Promise<void> {

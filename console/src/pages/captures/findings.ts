@@ -29,7 +29,7 @@ export function findingsView(report: Report, remedy: Remedy): HTMLElement {
 }
 
 /** The findings in the order of repair; null without any. */
-export function findingList({ findings, cameras }: Report, remedy: Remedy = () => null): HTMLElement | null {
+export function findingList({ findings, cameras }: Report, remedy: Remedy): HTMLElement | null {
   if (findings.length === 0) return null;
   const names = cameras.map(({ name }) => name);
   return h('ol', { class: 'findings' }, ...findings.map((finding) => findingRow(finding, names, remedy(finding))));

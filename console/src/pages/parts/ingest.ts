@@ -1,6 +1,6 @@
 import type { Capture } from '../../api/types';
 import type { PageContext } from '../../page';
-import type { Settings } from './settings';
+import { isGroup, type Settings } from './settings';
 
 /** The settings of a capture's ingest with some of them changed; groups, as `calibration`, keep their others. */
 export function changed(settings: Settings, change: Settings): Settings {
@@ -28,8 +28,4 @@ export function keptSettings({ ingest }: Capture): Settings {
 /** True if a capture's last ingest made points, which fits need, rather than masks alone. */
 export function hasPoints({ ingest }: Capture): boolean {
   return ingest.state === 'SUCCEEDED' && ingest.settings['until'] !== 'masks';
-}
-
-function isGroup(value: unknown): value is Settings {
-  return typeof value === 'object' && value !== null && !Array.isArray(value);
 }

@@ -59,7 +59,8 @@ export function flat(settings: unknown, prefix = ''): [string, unknown][] {
   return Object.entries(settings).flatMap(([name, value]) => flat(value, prefix === '' ? name : `${prefix}.${name}`));
 }
 
-function isGroup(value: unknown): value is Settings {
+/** True for a group of settings. */
+export function isGroup(value: unknown): value is Settings {
   return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 

@@ -1,6 +1,7 @@
-import { Blocks } from '../file/blocks';
+import type { Blocks } from '../file/blocks';
 import type { CameraHead } from '../file/head';
 import type { Read } from '../file/motion';
+import { blocksOf } from '../file/pieces';
 
 /** Images that one request is for, unless it is said otherwise. */
 const TOGETHER = 8;
@@ -9,7 +10,6 @@ const KEPT = 12;
 
 /** Images of a camera, fetched on demand. */
 export class Images {
-  readonly #starts: readonly number[];
   readonly #blocks: Blocks<(ImageBitmap | null)[]>;
 
   constructor(
@@ -18,28 +18,12 @@ export class Images {
     decode: (file: Blob) => Promise<ImageBitmap> = createImageBitmap,
     private readonly together = TOGETHER,
   ) {
-    const { lengths, bytes } = camera.images;
-    let at = 0;
-    this.#starts = [0, ...lengths.map((length) => (at += length))];
-    const starts = this.#starts;
-    this.#blocks = new Blocks(
-      together,
-      KEPT,
-      async (block) => {
-        const first = block * together;
-        const end = Math.min(first + together, lengths.length);
-        const from = starts[first]!;
-        const files = await read([bytes[0] + from, starts[end]! - from]);
-        return Promise.all(
-          lengths.slice(first, end).map(async (length, i) => {
-            if (length === 0) return null;
-            const start = starts[first + i]! - from;
-            const file = new Blob([files.subarray(start, start + length)], { type: 'image/jpeg' });
-            // One that does not decode is shown as one that was not recorded.
-            return decode(file).catch(() => null);
-          }),
-        );
-      },
+    this.#blocks = blocksOf<ImageBitmap>(
+      camera.images,
+      read,
+      [together, KEPT],
+      // One that does not decode is shown as one that was not recorded.
+      (file) => decode(new Blob([file], { type: 'image/jpeg' })).catch(() => null),
       (images) => images.forEach((image) => image?.close()),
     );
   }
