@@ -283,11 +283,6 @@ pub(crate) fn npy(header: &str, data: &[u8]) -> Vec<u8> {
 fn resize(image: &mut [u8], width: u32, height: u32) {
     image[16..20].copy_from_slice(&width.to_be_bytes());
     image[20..24].copy_from_slice(&height.to_be_bytes());
-    let sum =
-        !image[12..29].iter().fold(!0_u32, |crc, b| {
-            (0..8).fold(crc ^ u32::from(*b), |c, _| {
-                if c & 1 == 1 { (c >> 1) ^ 0xEDB8_8320 } else { c >> 1 }
-            })
-        });
+    let sum = crc32fast::hash(&image[12..29]);
     image[29..33].copy_from_slice(&sum.to_be_bytes());
 }

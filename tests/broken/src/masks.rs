@@ -1,5 +1,7 @@
 //! Masks as tools write them: read, or refused with the document to write.
 
+use std::collections::BTreeMap;
+
 use bendtwin_capture::raw::{ColorImage, Mask};
 
 use crate::{
@@ -48,36 +50,39 @@ pub fn all() -> Vec<Broken> {
     ]
 }
 
+/// Takes the masks away: those of object (0) and hand (1) with their camera, thing and frame.
+fn taken(files: &mut FileMap) -> Vec<([usize; 3], Mask)> {
+    let mut masks = Vec::new();
+    files.retain(|name, bytes| {
+        let parts: Vec<&str> = name.split('/').collect();
+        if let ["mask", camera, label, image] = parts.as_slice() {
+            let place = [*camera, *label, image.trim_end_matches(".png")];
+            let place = place.map(|number| number.parse().expect("it is a number"));
+            masks.push((place, Mask::decode(name, bytes, SIZE).expect("it is whole")));
+        }
+        !name.starts_with("mask/")
+    });
+    masks
+}
+
 /// Other files for the masks of object (0) and hand (1), by camera, thing and frame.
 fn replace(files: &mut FileMap, file: impl Fn(usize, usize, usize, &Mask) -> (String, Vec<u8>)) {
-    let mut more = FileMap::new();
-    for (name, bytes) in files.iter() {
-        let parts: Vec<&str> = name.split('/').collect();
-        let ["mask", camera, label, image] = parts.as_slice() else { continue };
-        let number = |text: &str| text.parse().expect("it is a number");
-        let frame = number(image.trim_end_matches(".png"));
-        let mask = Mask::decode(name, bytes, SIZE).expect("it is whole");
-        more.extend([file(number(camera), number(label), frame, &mask)]);
+    for ([camera, label, frame], mask) in taken(files) {
+        files.extend([file(camera, label, frame, &mask)]);
     }
-    files.retain(|name, _| !name.starts_with("mask/"));
-    files.extend(more);
 }
 
 /// Replaces both masks by one image of labels: 1 where the object is, 2 where the hand is.
 fn labelled(files: &mut FileMap) {
-    let mut images: std::collections::BTreeMap<String, ColorImage> = Default::default();
-    for (name, bytes) in files.iter() {
-        let parts: Vec<&str> = name.split('/').collect();
-        let ["mask", camera, label, image] = parts.as_slice() else { continue };
-        let mask = Mask::decode(name, bytes, SIZE).expect("it is whole");
+    let mut images: BTreeMap<[usize; 2], ColorImage> = BTreeMap::new();
+    for ([camera, label, frame], mask) in taken(files) {
         let blank = || ColorImage::filled(SIZE[0], SIZE[1], [0; 3]);
-        let labels = images.entry(format!("mask/{camera}/{image}")).or_insert_with(blank);
-        let value = if *label == "0" { 1 } else { 2 };
+        let labels = images.entry([camera, frame]).or_insert_with(blank);
+        let value = if label == 0 { 1 } else { 2 };
         let shown = labels.pixels.iter_mut().zip(&mask.pixels).filter(|(_, shown)| **shown);
         shown.for_each(|(pixel, _)| *pixel = [value; 3]);
     }
-    files.retain(|name, _| !name.starts_with("mask/"));
-    files.extend(
-        images.iter().map(|(name, image)| (name.clone(), image.encode().expect("it has pixels"))),
-    );
+    files.extend(images.iter().map(|([camera, frame], image)| {
+        (format!("mask/{camera}/{frame}.png"), image.encode().expect("it has pixels"))
+    }));
 }

@@ -113,15 +113,7 @@ fn rigs() -> Vec<Broken> {
             reword(f, "\"fps\"", "\"frame_offsets\":[0, 3, 0],\"fps\"");
             reword(f, "\"frame_num\":36,", "");
             f.remove("gt_track_3d.pkl");
-            f.remove("cotracker/1.npz");
-            let later = std::mem::take(f).into_iter().filter_map(|(name, bytes)| {
-                let number = name.rsplit_once('/').filter(|_| of_camera_1(&name));
-                let Some((folder, file)) = number else { return Some((name, bytes)) };
-                let (number, ending) = file.split_once('.')?;
-                let number = number.parse::<u64>().ok()?.checked_sub(3)?;
-                Some((format!("{folder}/{number}.{ending}"), bytes))
-            });
-            f.extend(later);
+            renumber_camera_1(f, |n| n.checked_sub(3));
         }),
         refused("cameras without a frame in common", "LENGTH_MISMATCH", |f| {
             reword(f, "\"fps\"", "\"frame_offsets\":[0, 90, 0],\"fps\"");
@@ -181,15 +173,20 @@ fn rigs() -> Vec<Broken> {
 
 /// Every second image of camera 1, numbered one after another.
 fn at_half_rate(files: &mut FileMap) {
+    renumber_camera_1(files, |n| n.is_multiple_of(2).then_some(n / 2));
+}
+
+/// Other numbers for the images of camera 1, which loses its tracks; images without a number go.
+fn renumber_camera_1(files: &mut FileMap, to: impl Fn(u64) -> Option<u64>) {
     files.remove("cotracker/1.npz");
-    let halved = std::mem::take(files).into_iter().filter_map(|(name, bytes)| {
+    let renumbered = std::mem::take(files).into_iter().filter_map(|(name, bytes)| {
         let image = name.rsplit_once('/').filter(|_| of_camera_1(&name));
         let Some((folder, file)) = image else { return Some((name, bytes)) };
         let (number, ending) = file.split_once('.')?;
-        let number = number.parse::<u64>().ok()?;
-        (number % 2 == 0).then(|| (format!("{folder}/{}.{ending}", number / 2), bytes))
+        let number = to(number.parse().ok()?)?;
+        Some((format!("{folder}/{number}.{ending}"), bytes))
     });
-    files.extend(halved);
+    files.extend(renumbered);
 }
 
 fn of_camera_1(name: &str) -> bool {
@@ -218,12 +215,7 @@ fn orient(image: &mut Vec<u8>, orientation: u8) {
     let mut chunk = (exif.len() as u32).to_be_bytes().to_vec();
     chunk.extend(b"eXIf");
     chunk.extend(&exif);
-    let sum = !chunk[4..].iter().fold(!0_u32, |crc, b| {
-        (0..8).fold(
-            crc ^ u32::from(*b),
-            |c, _| if c & 1 == 1 { (c >> 1) ^ 0xEDB8_8320 } else { c >> 1 },
-        )
-    });
+    let sum = crc32fast::hash(&chunk[4..]);
     chunk.extend(sum.to_be_bytes());
     image.splice(33..33, chunk);
 }

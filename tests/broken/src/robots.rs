@@ -49,14 +49,14 @@ pub fn all() -> Vec<Broken> {
         }),
         robot("a driver and a calibration that place one frame", Sound("PARENT_TAKEN"), |r| {
             for camera in 0..3 {
-                r.transforms.insert(0, transform("link", &optical(camera), IDENTITY));
+                r.transforms.insert(0, transform("link", &optical(camera), Pose::IDENTITY));
             }
         }),
         robot("two calibrations of one frame", Refused("TRANSFORMS_UNCLEAR"), |r| {
-            r.transforms.insert(0, transform("other", &optical(1), IDENTITY));
-            r.transforms.insert(0, transform("world", "other", IDENTITY));
-            r.transforms.insert(0, transform("another", &optical(1), IDENTITY));
-            r.transforms.insert(0, transform("world", "another", IDENTITY));
+            r.transforms.insert(0, transform("other", &optical(1), Pose::IDENTITY));
+            r.transforms.insert(0, transform("world", "other", Pose::IDENTITY));
+            r.transforms.insert(0, transform("another", &optical(1), Pose::IDENTITY));
+            r.transforms.insert(0, transform("world", "another", Pose::IDENTITY));
             r.transforms
                 .retain(|t| (t.parent.as_str(), t.child.as_str()) != ("world", "cam1_optical"));
         }),
@@ -100,9 +100,6 @@ pub fn all() -> Vec<Broken> {
 }
 
 const SIZE: [usize; 2] = [160, 120];
-
-const IDENTITY: Pose =
-    Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
 fn optical(camera: usize) -> String {
     format!("cam{camera}_optical")

@@ -61,9 +61,7 @@ pub const IN_CAPTURES: &[Fault] = &[Fault {
         } else {
             damage::any(rng, JSON.as_bytes())
         };
-        let mut files = samples::case();
-        files.insert("calibration.json".to_owned(), text);
-        archives::pack(&files)
+        archives::with(samples::case(), "calibration.json", text)
     },
 }];
 

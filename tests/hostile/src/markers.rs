@@ -26,13 +26,9 @@ const FRAMES: usize = 6;
 
 /// A valid file with a change.
 fn changed(rng: &mut Rng, change: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
-    let file = valid(rng);
-    change(rng, &file)
-}
-
-/// A valid file of one of the formats.
-pub fn valid(rng: &mut Rng) -> Vec<u8> {
-    [csv(FRAMES), trc(FRAMES), c3d(FRAMES)][rng.random_range(0..3)].clone()
+    let files = all();
+    let file = &files[rng.random_range(0..files.len())];
+    change(rng, file)
 }
 
 /// Valid files of all formats.

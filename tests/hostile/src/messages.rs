@@ -5,7 +5,7 @@ use rand::RngExt as _;
 
 use crate::{
     Fault, Rng, damage,
-    recordings::{Record, file, pack, records},
+    recordings::{CHANNEL, Record, SCHEMA, file, pack, valid_records},
     samples,
 };
 
@@ -18,8 +18,6 @@ pub const FAULTS: &[Fault] = &[
     Fault { what: "images of any encoding and length", make: image },
 ];
 
-const SCHEMA: u8 = 3;
-const CHANNEL: u8 = 4;
 const MESSAGE: u8 = 5;
 /// Bytes of a message before its content.
 const HEAD: usize = 22;
@@ -109,8 +107,7 @@ pub fn valid() -> Vec<Vec<u8>> {
 /// The valid recording with other content of a topic's messages, as compressed images or as before;
 /// `content` gets the header of a message.
 fn replaced(topic: &[u8], compressed: bool, content: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
-    let [sample, _] = samples::mcap();
-    let mut all = records(&sample);
+    let mut all = valid_records();
     let mut channel = None;
     for (opcode, record) in &mut all {
         if *opcode == CHANNEL && record.windows(topic.len()).any(|w| w == topic) {
@@ -125,8 +122,7 @@ fn replaced(topic: &[u8], compressed: bool, content: impl Fn(&[u8]) -> Vec<u8>) 
     }
     let mut schema = COMPRESSED.to_le_bytes().to_vec();
     for part in ["sensor_msgs/msg/CompressedImage", "ros2msg", ""] {
-        schema.extend((part.len() as u32).to_le_bytes());
-        schema.extend(part.as_bytes());
+        bytes(&mut schema, part.as_bytes());
     }
     all.insert(0, (SCHEMA, schema));
     file(&all)
@@ -150,8 +146,7 @@ fn bytes(message: &mut Vec<u8>, bytes: &[u8]) {
 
 /// The records of the valid recording with the contents of all messages changed.
 fn changed(mut change: impl FnMut(&[u8]) -> Vec<u8>) -> Vec<Record> {
-    let [sample, _] = samples::mcap();
-    let mut all = records(&sample);
+    let mut all = valid_records();
     for (opcode, record) in &mut all {
         if *opcode == MESSAGE {
             *record = [&record[..HEAD], &change(&record[HEAD..])].concat();
@@ -188,8 +183,7 @@ fn bombs(rng: &mut Rng) -> Vec<u8> {
 }
 
 fn whole(rng: &mut Rng) -> Vec<u8> {
-    let [sample, _] = samples::mcap();
-    let packed = pack("zstd", &file(&records(&sample)));
+    let packed = pack("zstd", &file(&valid_records()));
     if rng.random() { damage::any(rng, &packed) } else { packed }
 }
 

@@ -25,8 +25,8 @@ pub const FAULTS: &[Fault] = &[
 ];
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-const SCHEMA: u8 = 3;
-const CHANNEL: u8 = 4;
+pub(crate) const SCHEMA: u8 = 3;
+pub(crate) const CHANNEL: u8 = 4;
 const CHUNK: u8 = 6;
 const ATTACHMENT: u8 = 9;
 const DATA_END: u8 = 15;
@@ -140,7 +140,7 @@ fn whole(rng: &mut Rng) -> Vec<u8> {
     }
 }
 
-fn valid_records() -> Vec<Record> {
+pub(crate) fn valid_records() -> Vec<Record> {
     let [lz4, _] = samples::mcap();
     records(&lz4)
 }

@@ -1,9 +1,6 @@
 //! Staged recordings: shapes in closed form before a rig of cameras that measure with noise.
 
-use std::{
-    f64::consts::TAU,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::{f64::consts::TAU, sync::Arc};
 
 use bendtwin_capture::{
     Error, Sources,
@@ -92,9 +89,6 @@ enum Body {
     Table,
 }
 
-/// A frame and the view of it.
-type Drawn = (usize, Arc<View<Body>>);
-
 #[derive(Debug)]
 struct Stage {
     shape: Shape,
@@ -104,8 +98,6 @@ struct Stage {
     /// Frames from one of a camera to its next.
     every: Vec<usize>,
     seed: u64,
-    /// The last view of each camera: colour, depth and masks of a frame are one.
-    last: Vec<Mutex<Option<Drawn>>>,
 }
 
 /// A healthy recording and its name.
@@ -120,15 +112,8 @@ pub(super) fn recording(number: usize) -> (String, Recording) {
     let is_slow = |camera: usize| number % 6 == 3 && camera == 1;
     let every = (0..count).map(|camera| if is_slow(camera) { 2 } else { 1 }).collect();
     let frame_count = (2.4 * fps) as usize;
-    let stage = Stage {
-        shape,
-        motion,
-        fps,
-        every,
-        seed: 1000 + number as u64,
-        last: cameras.iter().map(|_| Mutex::default()).collect(),
-        cameras: cameras.clone(),
-    };
+    let stage =
+        Stage { shape, motion, fps, every, seed: 1000 + number as u64, cameras: cameras.clone() };
     let name = format!("staged {shape:?}, {motion:?}, {count} cameras at {fps} fps");
     let recording = Recording {
         name: name.clone(),
@@ -227,33 +212,35 @@ impl Stage {
         let (s, c) = eye[1].atan2(eye[0]).sin_cos();
         [c * x - s * y, s * x + c * y]
     }
-
-    fn view(&self, camera: usize, frame: usize) -> Option<Arc<View<Body>>> {
-        if !frame.is_multiple_of(self.every[camera]) {
-            return None;
-        }
-        let mut last = self.last[camera].lock().unwrap_or_else(PoisonError::into_inner);
-        if last.as_ref().is_none_or(|(drawn, _)| *drawn != frame) {
-            let bodies = self.bodies(frame as f64 / self.fps);
-            let view = bodies.view(&self.cameras[camera], 0, Precision::Double);
-            *last = Some((frame, Arc::new(view)));
-        }
-        last.as_ref().map(|(_, view)| view.clone())
-    }
 }
 
 impl Source for Stage {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
-        Ok(Box::new(Reader { stage: self, camera }))
+        Ok(Box::new(Reader { stage: self, camera, drawn: None }))
     }
 }
 
 struct Reader<'a> {
     stage: &'a Stage,
     camera: usize,
+    /// The frame that was drawn last and its view, which colour, depth and masks share.
+    drawn: Option<(usize, Arc<View<Body>>)>,
 }
 
 impl Reader<'_> {
+    fn view(&mut self, frame: usize) -> Option<Arc<View<Body>>> {
+        let Self { stage, camera, .. } = *self;
+        if !frame.is_multiple_of(stage.every[camera]) {
+            return None;
+        }
+        if self.drawn.as_ref().is_none_or(|(drawn, _)| *drawn != frame) {
+            let bodies = stage.bodies(frame as f64 / stage.fps);
+            let view = bodies.view(&stage.cameras[camera], 0, Precision::Double);
+            self.drawn = Some((frame, Arc::new(view)));
+        }
+        self.drawn.as_ref().map(|(_, view)| view.clone())
+    }
+
     fn chance(&self, frame: usize, [column, row]: [usize; 2], key: i64) -> f64 {
         let place = [column as i64, row as i64, (1000 * self.camera + frame) as i64, key];
         chance(self.stage.seed, place)
@@ -262,20 +249,17 @@ impl Reader<'_> {
 
 impl Frames for Reader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
-        let view = self.stage.view(self.camera, frame);
+        let view = self.view(frame);
         Ok(view.map(|view| {
             view.image(|at, hit: Option<Hit<Body>>| {
                 let grain = 6.0 * self.chance(frame, at, 1);
                 let (base, patch_m, contrast) = match hit.map(|h| h.body) {
-                    Some(Body::Object) => ([90.0, 70.0, 60.0], 0.4, 110.0),
+                    Some(Body::Object) => ([90.0, 70.0, 60.0], 0.02, 110.0),
                     Some(Body::Hand) => ([205.0, 160.0, 130.0], 0.03, 15.0),
                     Some(Body::Table) => ([120.0, 125.0, 130.0], 0.05, 20.0),
                     None => ([225.0, 225.0, 228.0], 1.0, 0.0),
                 };
                 let local = hit.map_or([0.0; 3], |h| h.local);
-                // Spheres and the ground have lengths, ellipsoids shares.
-                let patch_m =
-                    if hit.is_some_and(|h| h.body == Body::Object) { 0.02 } else { patch_m };
                 let cell = local.map(|x| (x / patch_m).floor() as i64);
                 std::array::from_fn(|channel| {
                     let key = [cell[0], cell[1], cell[2], 10 + channel as i64];
@@ -287,7 +271,7 @@ impl Frames for Reader<'_> {
     }
 
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
-        let view = self.stage.view(self.camera, frame);
+        let view = self.view(frame);
         Ok(view.map(|view| {
             view.image(|at, hit: Option<Hit<Body>>| {
                 let Some(hit) = hit.filter(|_| self.chance(frame, at, 2) > 0.03) else {
@@ -309,7 +293,7 @@ impl Frames for Reader<'_> {
             Region::Object => Body::Object,
             Region::Manipulator => Body::Hand,
         };
-        Ok(self.stage.view(self.camera, frame).map(|view| view.mask(|body| body == wanted)))
+        Ok(self.view(frame).map(|view| view.mask(|body| body == wanted)))
     }
 
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
