@@ -78,7 +78,7 @@ pub fn open(path: &Path) -> Result<Model, Error> {
     decoded(parts.map(|(at, bytes, is_binary)| (at.as_str(), bytes.as_slice(), *is_binary)))
 }
 
-/// One of a model's files: its place, its bytes, and `true` if these are binary.
+/// File of a model: its path, its bytes, and `true` if these are binary.
 type Part<'a> = (&'a str, &'a [u8], bool);
 
 type Decoder<T> = fn(&[u8]) -> Result<Vec<T>, String>;

@@ -2,7 +2,7 @@ import { Blocks } from './blocks';
 import type { Range } from './head';
 import type { Read } from './motion';
 
-/** Pieces of a playback's data, one for each image of a camera, one after another; 0 bytes where there is none. */
+/** Pieces of a playback's data, one for each image of a camera, in order; an image without a piece has 0 bytes. */
 export interface Pieces {
   readonly lengths: readonly number[];
   readonly bytes: Range;
