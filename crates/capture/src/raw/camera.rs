@@ -197,6 +197,23 @@ impl Pose {
         Self { rotation, translation }
     }
 
+    /// A share of the way from one pose to another, given as translations and unit quaternions x, y, z, w
+    /// of poses near each other: the chord between quaternions stands for the arc.
+    pub(super) fn between([from, to]: [&([f64; 3], [f64; 4]); 2], share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        // A quaternion and its negative are the same rotation.
+        let dot: f64 = from.1.iter().zip(&to.1).map(|(a, b)| a * b).sum();
+        let sign = if dot < 0.0 { -1.0 } else { 1.0 };
+        let quaternion = std::array::from_fn(|i| mix(from.1[i], sign * to.1[i]));
+        let translation = std::array::from_fn(|i| mix(from.0[i], to.0[i]));
+        Self::from_quaternion(quaternion, translation)
+    }
+
+    /// `true` if no number of it is infinite or not a number.
+    pub(super) fn is_finite(&self) -> bool {
+        self.rotation.iter().flatten().chain(&self.translation).all(|x| x.is_finite())
+    }
+
     /// The motion that does `first`, then this.
     #[must_use]
     pub fn after(&self, first: &Self) -> Self {

@@ -1,19 +1,23 @@
-//! Grippers of a robot: their recorded poses and openings, from `grippers.json` beside the description
-//! of a recording. They tell where the object is held, without masks.
+//! Grippers of a robot: their recorded poses and openings, from `grippers.json` beside a recording or
+//! attached to it. They tell where the object is held, without masks.
+
+mod document;
+mod lerobot;
+mod numbers;
 
 use bendtwin_core::geometry::{cross, dot};
-use serde::Deserialize;
 
+use self::document::{Axes, Document, Entry, JointSource, Poses, WidthElements, Widths};
 use super::{Pose, validity::settle_pose};
 use crate::{
     Error, Sources,
     files::{Files, at_most, is_plain},
     frame::Frame,
-    npy,
     phystwin::json,
 };
 
-const DOCUMENT: &str = "grippers.json";
+/// Name of the document.
+pub(super) const DOCUMENT: &str = "grippers.json";
 const FORMAT: &str = "bendtwin-grippers";
 const VERSION: u32 = 1;
 
@@ -21,6 +25,8 @@ const VERSION: u32 = 1;
 const MAX_GRIPPERS: usize = 8;
 /// Widest opening of a gripper that holds soft objects, and largest finger [m].
 const MAX_WIDTH_M: f64 = 1.0;
+/// How far below zero a closed gripper may be measured [m].
+const WIDTH_NOISE_M: f64 = 0.005;
 
 /// A gripper whose motion was recorded. Its axes: the origin lies between the tips of the fingers, z
 /// points out of the gripper, and the fingers open along y.
@@ -46,76 +52,58 @@ pub struct Pad {
     pub breadth_m: f64,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Document {
-    format: String,
-    version: u32,
-    grippers: Vec<Entry>,
+/// Motion that a recording itself has beside its images, by names; both give an error that says what
+/// is wrong with the name.
+pub(super) trait Motion {
+    /// Pose of a coordinate frame in the world of the cameras in each frame [T]; `None` where it is
+    /// unknown.
+    fn frame(&self, name: &str) -> Result<Vec<Option<Pose>>, String>;
+    /// Sum of the positions of joints in each frame [T], of those of a topic if one is named; NaN where
+    /// one is unknown.
+    fn joints(&self, names: &[String], topic: Option<&str>) -> Result<Vec<f64>, String>;
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Entry {
-    #[serde(default)]
-    name: String,
-    poses: Numbers,
-    widths: Option<Numbers>,
-    #[serde(default)]
-    axes: Axes,
-    #[serde(default)]
-    pad: PadEntry,
+/// The recording to which grippers belong.
+pub(super) struct Setting<'s> {
+    /// Time of each frame [T] [s].
+    pub(super) times_s: &'s [f64],
+    /// Turns the recording's world into this program's.
+    pub(super) frame: &'s Frame,
+    /// Motion by names, which MCAP has.
+    pub(super) motion: Option<&'s dyn Motion>,
 }
 
-/// Numbers in a file, or in the document itself.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Numbers {
-    File(String),
-    Rows(Vec<Vec<Option<f64>>>),
-    Row(Vec<Option<f64>>),
+/// Times of frames at a fixed rate [T] [s].
+pub(super) fn times_s(frames: usize, fps: f64) -> Vec<f64> {
+    (0..frames).map(|frame| frame as f64 / fps).collect()
 }
 
-/// Axes of the recorded poses: which of them is which.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct Axes {
-    approach: String,
-    opening: String,
-}
-
-impl Default for Axes {
-    fn default() -> Self {
-        Self { approach: "+z".to_owned(), opening: "+y".to_owned() }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct PadEntry {
-    length_m: f64,
-    breadth_m: f64,
-}
-
-impl Default for PadEntry {
-    fn default() -> Self {
-        Self { length_m: 0.02, breadth_m: 0.02 }
-    }
-}
-
-/// The grippers of a recording of `frames` frames; none without their document. `frame` leads from the
-/// recording's world.
+/// The grippers of a recording; none without their document.
 ///
 /// # Errors
-/// If the document contradicts itself or the number of frames.
+/// If the document contradicts itself or the recording.
 pub(super) fn find(
     files: &mut Files<'_>,
-    frames: usize,
-    frame: &Frame,
+    setting: &Setting<'_>,
     sources: &mut Sources,
 ) -> Result<Vec<Gripper>, Error> {
-    let Some(bytes) = files.find_document(DOCUMENT)? else { return Ok(Vec::new()) };
-    let document: Document = json(&bytes, DOCUMENT)?;
+    match files.find_document(DOCUMENT)? {
+        Some(bytes) => read(&bytes, Some(files), setting, sources),
+        None => Ok(Vec::new()),
+    }
+}
+
+/// The grippers of a document, whose files are beside it or missing.
+///
+/// # Errors
+/// If the document contradicts itself or the recording.
+pub(super) fn read(
+    document: &[u8],
+    mut files: Option<&mut Files<'_>>,
+    setting: &Setting<'_>,
+    sources: &mut Sources,
+) -> Result<Vec<Gripper>, Error> {
+    let document: Document = json(document, DOCUMENT)?;
     if document.format != FORMAT || document.version != VERSION {
         return Err(wrong(format!(
             "it is `{}` version {}: `{FORMAT}` version {VERSION} is read",
@@ -125,111 +113,116 @@ pub(super) fn find(
     at_most("grippers", document.grippers.len(), MAX_GRIPPERS)?;
     let mut grippers = Vec::with_capacity(document.grippers.len());
     for (index, entry) in document.grippers.into_iter().enumerate() {
-        let gripper = gripper(files, entry, index, frames, frame)?;
-        let form = if gripper.widths_m.is_empty() { "without its opening" } else { "" };
+        let name = if entry.name.is_empty() { index.to_string() } else { entry.name.clone() };
+        let form = entry.in_words();
+        let mut reader = Reader { name: &name, files: files.as_deref_mut(), setting };
+        let gripper = reader.gripper(entry)?;
         sources.take("gripper", Some(&gripper.name), DOCUMENT, form);
         grippers.push(gripper);
     }
     Ok(grippers)
 }
 
-fn gripper(
-    files: &mut Files<'_>,
-    entry: Entry,
-    index: usize,
-    frames: usize,
-    frame: &Frame,
-) -> Result<Gripper, Error> {
-    let name = if entry.name.is_empty() { index.to_string() } else { entry.name };
-    let axes = axes(&name, &entry.axes)?;
-    let (columns, numbers) = rows(files, entry.poses)?;
-    let poses = match columns {
-        7 | 12 | 16 if numbers.len() == frames * columns => numbers
-            .chunks_exact(columns)
-            .map(|row| Ok(pose(&name, row)?.map(|pose| pose.after(&axes).turned(frame))))
-            .collect::<Result<Vec<_>, Error>>()?,
-        _ => {
+/// Reader of one gripper.
+struct Reader<'r, 'f> {
+    name: &'r str,
+    files: Option<&'r mut Files<'f>>,
+    setting: &'r Setting<'r>,
+}
+
+impl<'f> Reader<'_, 'f> {
+    fn gripper(&mut self, entry: Entry) -> Result<Gripper, Error> {
+        let name = self.name;
+        let axes = axes(name, &entry.axes)?;
+        let base = match entry.base {
+            None => Pose::IDENTITY,
+            Some(_) if matches!(entry.poses, Poses::Frame(_)) => {
+                return Err(wrong(format!(
+                    "gripper `{name}` has a `base` and a `frame`, whose poses are in the cameras' world already: leave out `base`"
+                )));
+            }
+            Some(base) => numbers::base(name, base)?,
+        };
+        let frame = self.setting.frame;
+        let placed = |pose: Pose| base.after(&pose).after(&axes).turned(frame);
+        let poses: Vec<Option<Pose>> =
+            self.poses(entry.poses)?.into_iter().map(|pose| pose.map(placed)).collect();
+        if poses.iter().all(Option::is_none) {
+            return Err(wrong(format!("gripper `{name}` has no pose in any frame")));
+        }
+        let widths_m = match entry.widths {
+            None => Vec::new(),
+            Some(widths) => self.widths(widths)?,
+        };
+        let pad = Pad { length_m: entry.pad.length_m, breadth_m: entry.pad.breadth_m };
+        if ![pad.length_m, pad.breadth_m].iter().all(|x| *x > 0.0 && *x <= MAX_WIDTH_M) {
             return Err(wrong(format!(
-                "the poses of gripper `{name}` are {} rows of {columns} numbers: give {frames} rows, one a frame, of x, y, z and a \
-                 quaternion x, y, z, w, or of a 4 x 4 matrix",
-                numbers.len() / columns.max(1)
+                "the pad of gripper `{name}` is {} x {} m: give its size in metres",
+                pad.length_m, pad.breadth_m
             )));
         }
-    };
-    if poses.iter().all(Option::is_none) {
-        return Err(wrong(format!("gripper `{name}` has no pose in any frame")));
+        Ok(Gripper { name: name.to_owned(), poses, widths_m, pad })
     }
-    let widths_m = match entry.widths {
-        None => Vec::new(),
-        Some(widths) => widths_of(files, widths, &name, frames)?,
-    };
-    let pad = Pad { length_m: entry.pad.length_m, breadth_m: entry.pad.breadth_m };
-    if ![pad.length_m, pad.breadth_m].iter().all(|x| *x > 0.0 && *x <= MAX_WIDTH_M) {
-        return Err(wrong(format!(
-            "the pad of gripper `{name}` is {} x {} m: give its size in metres",
-            pad.length_m, pad.breadth_m
-        )));
-    }
-    Ok(Gripper { name, poses, widths_m, pad })
-}
 
-fn widths_of(
-    files: &mut Files<'_>,
-    widths: Numbers,
-    name: &str,
-    frames: usize,
-) -> Result<Vec<f64>, Error> {
-    let (_, widths) = rows(files, widths)?;
-    if widths.len() != frames {
-        let count = widths.len();
-        return Err(wrong(format!(
-            "gripper `{name}` has {count} widths for {frames} frames: give one a frame"
-        )));
-    }
-    match widths.iter().find(|w| !w.is_nan() && !(0.0..=MAX_WIDTH_M).contains(*w)) {
-        None => Ok(widths),
-        Some(width) => Err(wrong(format!(
-            "gripper `{name}` is open by {width}: give the distance between its fingers in metres"
-        ))),
-    }
-}
-
-/// Numbers of a row, and all numbers, row by row; unknown ones are NaN.
-fn rows(files: &mut Files<'_>, numbers: Numbers) -> Result<(usize, Vec<f64>), Error> {
-    let known = |x: Option<f64>| x.unwrap_or(f64::NAN);
-    match numbers {
-        Numbers::File(at) => {
-            if !is_plain(&at) {
-                return Err(wrong(format!("`{at}` is no relative path of a file")));
-            }
-            let bytes = files.read(&at)?;
-            let array = npy::read(&at, &bytes)?;
-            // Shapes of empty arrays may be of any size.
-            let columns = array.shape.iter().skip(1).fold(1_usize, |all, n| all.saturating_mul(*n));
-            Ok((columns, array.doubles(&mut files.budget)?))
-        }
-        Numbers::Row(row) => Ok((1, row.into_iter().map(known).collect())),
-        Numbers::Rows(rows) => {
-            let columns = rows.first().map_or(0, Vec::len);
-            if rows.iter().any(|row| row.len() != columns) {
-                return Err(wrong("rows of poses have different lengths".to_owned()));
-            }
-            Ok((columns, rows.into_iter().flatten().map(known).collect()))
+    /// Poses as they were recorded [T].
+    fn poses(&mut self, poses: Poses) -> Result<Vec<Option<Pose>>, Error> {
+        match poses {
+            Poses::Numbers(numbers) => numbers::poses(self, numbers),
+            Poses::Frame(source) => self.named(|motion| motion.frame(&source.frame)),
+            Poses::LeRobot(pose) => lerobot::poses(self, &pose.lerobot, pose.rotation),
         }
     }
+
+    /// Distances between the fingers [T] [m].
+    fn widths(&mut self, widths: Widths) -> Result<Vec<f64>, Error> {
+        let widths = match widths {
+            Widths::Numbers(numbers) => numbers::widths(self, numbers)?,
+            Widths::Joints(JointSource { joints, topic, scale, offset_m }) => {
+                let sums = self.named(|motion| motion.joints(&joints, topic.as_deref()))?;
+                scaled(sums, scale, offset_m)
+            }
+            Widths::LeRobot(WidthElements { lerobot, scale, offset_m }) => {
+                scaled(lerobot::sums(self, &lerobot)?, scale, offset_m)
+            }
+        };
+        let is_wrong = |w: &f64| !w.is_nan() && !(-WIDTH_NOISE_M..=MAX_WIDTH_M).contains(w);
+        match widths.iter().copied().find(is_wrong) {
+            None => Ok(widths.into_iter().map(|w| if w < 0.0 { 0.0 } else { w }).collect()),
+            Some(width) => Err(wrong(format!(
+                "gripper `{}` is open by {width}: give the distance between its fingers in metres, or `scale` and `offset_m` \
+                 that make it such",
+                self.name
+            ))),
+        }
+    }
+
+    /// What the recording has by names.
+    fn named<T>(&self, of: impl FnOnce(&dyn Motion) -> Result<T, String>) -> Result<T, Error> {
+        let name = self.name;
+        let Some(motion) = self.setting.motion else {
+            return Err(wrong(format!(
+                "gripper `{name}` names frames or joints, which MCAP recordings have: give its poses in a file"
+            )));
+        };
+        of(motion).map_err(|fault| wrong(format!("gripper `{name}`: {fault}")))
+    }
+
+    /// The files beside the document, of which one is wanted.
+    fn files(&mut self, at: &str) -> Result<&mut Files<'f>, Error> {
+        if !is_plain(at) {
+            return Err(wrong(format!("`{at}` is no relative path of a file")));
+        }
+        self.files.as_deref_mut().ok_or_else(|| {
+            wrong(format!(
+                "gripper `{}` is read from `{at}`: put the recording, {DOCUMENT} and that file into one folder or archive",
+                self.name
+            ))
+        })
+    }
 }
 
-/// The pose of a row, if it is known.
-fn pose(name: &str, row: &[f64]) -> Result<Option<Pose>, Error> {
-    if !row.iter().all(|x| x.is_finite()) {
-        return Ok(None);
-    }
-    let what = format!("gripper {name}");
-    let pose = match *row {
-        [x, y, z, i, j, k, w] => Pose::from_quaternion([i, j, k, w], [x, y, z]),
-        _ => Pose::from_rows(&what, row.as_chunks::<4>().0)?,
-    };
-    settle_pose(&what, &pose).map(Some)
+fn scaled(sums: Vec<f64>, scale: f64, offset_m: f64) -> Vec<f64> {
+    sums.into_iter().map(|sum| offset_m + scale * sum).collect()
 }
 
 /// The rotation from the axes of this program to those of the poses.
@@ -251,7 +244,7 @@ fn axes(name: &str, axes: &Axes) -> Result<Pose, Error> {
     };
     if dot(y, z) != 0.0 {
         return Err(wrong(format!(
-            "gripper `{name}` approaches and opens along one axis: these differ"
+            "gripper `{name}` approaches and opens along one axis: name two different axes"
         )));
     }
     let columns = [cross(y, z), y, z];

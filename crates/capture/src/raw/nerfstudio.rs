@@ -87,7 +87,9 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
     sources.take("lens", None, MARKER, "");
     sources.take("pose", None, MARKER, "camera to world, OpenGL's axes");
     sources.take("frames", None, MARKER, groups.timed);
-    let grippers = gripper::find(&mut files, frame_count, &frame, &mut sources)?;
+    let times_s = gripper::times_s(frame_count, groups.fps);
+    let setting = gripper::Setting { times_s: &times_s, frame: &frame, motion: None };
+    let grippers = gripper::find(&mut files, &setting, &mut sources)?;
     Ok(Recording {
         name: files.name.clone(),
         fps: groups.fps,

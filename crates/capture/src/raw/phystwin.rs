@@ -115,7 +115,9 @@ pub(super) fn read(
         calibration.is_some_and(|given| given.cameras.iter().any(|camera| camera.pose.is_some()));
     let world =
         if gives_poses && !is_placed { Frame { rotation: IDENTITY, metres: 1.0 } } else { frame };
-    let grippers = gripper::find(&mut files, numbering.frame_count, &world, &mut sources)?;
+    let times_s = gripper::times_s(numbering.frame_count, timing.fps);
+    let setting = gripper::Setting { times_s: &times_s, frame: &world, motion: None };
+    let grippers = gripper::find(&mut files, &setting, &mut sources)?;
     notes.extend(crate::format::taken(&files.list("")));
     let mut recording = Recording {
         name: files.name.clone(),

@@ -82,7 +82,9 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
     let mesh = mesh.transpose()?;
     // Poses of grippers are in metres for any unit of the bundle's points.
     let turned = Frame { metres: 1.0, ..frame };
-    let grippers = gripper::find(&mut files, frame_count, &turned, &mut sources)?;
+    let times_s = gripper::times_s(frame_count, manifest.fps);
+    let setting = gripper::Setting { times_s: &times_s, frame: &turned, motion: None };
+    let grippers = gripper::find(&mut files, &setting, &mut sources)?;
     let chosen = probe::chosen_turn(section.image_orientation.as_deref(), MARKER)?;
     let mut stored = StoredFrames::new(files.fork(), image_count, stored)?;
     let forms = probe::look(&mut stored, &cameras, chosen, &mut notes)?;

@@ -11,7 +11,9 @@ fn found(document: &str, frames: usize) -> Result<Vec<Gripper>, Error> {
     let archive = pack(&files.into_iter().collect());
     let mut files = Files::from_bytes("case.zip", &archive, &limits)?;
     let frame = Frame::from_up("-z").unwrap();
-    find(&mut files, frames, &frame, &mut Sources::default())
+    let times_s = times_s(frames, 30.0);
+    let setting = Setting { times_s: &times_s, frame: &frame, motion: None };
+    find(&mut files, &setting, &mut Sources::default())
 }
 
 fn document(gripper: &str) -> String {
@@ -53,7 +55,10 @@ fn contradictions_are_named() {
     fault(r#"{"poses": "../poses.npy"}"#, "no relative path");
     fault(r#"{"poses": "poses.npy", "widths": [40, 40]}"#, "open by 40");
     fault(r#"{"poses": "poses.npy", "widths": [0.04]}"#, "1 widths for 2 frames");
-    fault(r#"{"poses": "poses.npy", "axes": {"approach": "z", "opening": "-z"}}"#, "one axis");
+    fault(
+        r#"{"poses": "poses.npy", "axes": {"approach": "z", "opening": "-z"}}"#,
+        "two different axes",
+    );
     fault(r#"{"poses": "poses.npy", "axes": {"approach": "q", "opening": "y"}}"#, "must be one of");
     fault(r#"{"poses": [[0, 0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0, 1]]}"#, "not finite");
     fault(r#"{"poses": [[null, 0, 0, 0, 0, 0, 1], [null, 0, 0, 0, 0, 0, 1]]}"#, "no pose");

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{
     chunk::Chunk,
+    joints::Joints,
     messages::{Calibration, ImageHead, Kind, Wire},
     pass::Pass,
     place::{Part, Place},
@@ -42,12 +43,15 @@ pub(super) struct Index {
     /// The first calibration of each topic.
     pub(super) calibrations: BTreeMap<String, Calibration>,
     pub(super) tree: Tree,
+    pub(super) joints: Joints,
     /// Content of the metadata record `bendtwin`.
     pub(super) settings: BTreeMap<String, String>,
     /// Topics of images, videos and points in messages that are not read: what they are, by name.
     pub(super) unread: BTreeMap<String, String>,
     /// The first attached mesh.
     pub(super) mesh: Option<(String, Vec<u8>)>,
+    /// The attached document of grippers.
+    pub(super) grippers: Option<Vec<u8>>,
 }
 
 impl Index {
@@ -63,6 +67,7 @@ impl Index {
         }
         index.topics.retain(|topic| !topic.images.is_empty());
         index.tree.sort();
+        index.joints.sort();
         Ok(index)
     }
 }

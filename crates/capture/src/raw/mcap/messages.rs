@@ -13,6 +13,7 @@ pub(super) enum Kind {
     Calibration,
     Transform,
     Transforms,
+    Joints,
 }
 
 /// Serialisation of its messages.
@@ -37,6 +38,7 @@ pub(super) fn kind_of(schema: &str, encoding: &str) -> Option<(Kind, Wire)> {
         "sensor_msgs/CameraInfo" | "foxglove.CameraCalibration" => Kind::Calibration,
         "tf2_msgs/TFMessage" | "tf/tfMessage" | "foxglove.FrameTransforms" => Kind::Transforms,
         "foxglove.FrameTransform" => Kind::Transform,
+        "sensor_msgs/JointState" if wire != Wire::Protobuf => Kind::Joints,
         _ => return None,
     };
     Some((kind, wire))
@@ -118,10 +120,21 @@ pub(super) struct Transform {
     pub(super) rotation: [f64; 4],
 }
 
+/// Positions of a robot's joints.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Joints {
+    pub(super) stamp_ns: i64,
+    pub(super) names: Vec<String>,
+    /// Positions of the joints in `names` [rad or m].
+    pub(super) positions: Vec<f64>,
+}
+
 /// Coefficients beyond these belong to no known model.
 const MAX_COEFFICIENTS: usize = 32;
 /// Transforms of one message.
 const MAX_TRANSFORMS: usize = 10_000;
+/// Joints of one message.
+const MAX_JOINTS: usize = 1000;
 
 fn ros(wire: Wire, bytes: &[u8]) -> Option<Ros<'_>> {
     if wire == Wire::Ros1 { Some(Ros::one(bytes)) } else { Ros::two(bytes) }
@@ -251,6 +264,19 @@ pub(super) fn transforms(kind: Kind, wire: Wire, bytes: &[u8]) -> Option<Vec<Tra
         });
     }
     Some(all)
+}
+
+/// Positions of joints.
+pub(super) fn joints(wire: Wire, bytes: &[u8]) -> Option<Joints> {
+    let mut ros = ros(wire, bytes)?;
+    let stamp_ns = ros.header()?.stamp_ns;
+    let count = ros.u32()? as usize;
+    if count > MAX_JOINTS {
+        return None;
+    }
+    let names = (0..count).map(|_| ros.text()).collect::<Option<Vec<_>>>()?;
+    let positions = ros.doubles(MAX_JOINTS)?;
+    Some(Joints { stamp_ns, names, positions })
 }
 
 fn protobuf_transform(bytes: &[u8]) -> Option<Transform> {

@@ -12,7 +12,11 @@ use super::{
     record::{Fields, PREFIX, Record, Region},
     zstd,
 };
-use crate::{Error, Limits, files::at_most, raw::stored::MAX_MESH};
+use crate::{
+    Error, Limits,
+    files::{MAX_DOCUMENT, at_most, unmark},
+    raw::{gripper, stored::MAX_MESH},
+};
 
 /// Bytes of a message that is no image.
 const MAX_MESSAGE: u64 = 4 << 20;
@@ -26,6 +30,7 @@ enum Role {
     Images { topic: usize },
     Calibration { topic: String, wire: Wire },
     Transforms { kind: Kind, wire: Wire, fixed: bool },
+    Joints { topic: String, wire: Wire },
 }
 
 /// Place of a record.
@@ -173,6 +178,7 @@ impl<'a> Pass<'a> {
                 Some(Role::Images { topic: self.topic(name, kind, wire)? })
             }
             Some((Kind::Calibration, wire)) => Some(Role::Calibration { topic: name, wire }),
+            Some((Kind::Joints, wire)) => Some(Role::Joints { topic: name, wire }),
             Some((kind @ (Kind::Transform | Kind::Transforms), wire)) => {
                 let fixed = name.ends_with("tf_static");
                 Some(Role::Transforms { kind, wire, fixed })
@@ -238,6 +244,15 @@ impl<'a> Pass<'a> {
                     .ok_or_else(|| part.wrong_message("tf"))?;
                 for transform in all {
                     self.index.tree.add(transform, fixed)?;
+                }
+                Ok(())
+            }
+            Some(Some(Role::Joints { topic, wire })) => {
+                let (topic, wire) = (topic.clone(), *wire);
+                let bytes = self.whole(wire, &message, MAX_MESSAGE)?;
+                // Most recordings need no joints, so damage among them is no reason to refuse one.
+                if let Some(joints) = messages::joints(wire, &bytes) {
+                    self.index.joints.add(&topic, joints, log_ns);
                 }
                 Ok(())
             }
@@ -324,18 +339,27 @@ impl<'a> Pass<'a> {
         };
         let Some((name, length, head)) = parse() else { return Ok(()) };
         let extension = name.rsplit_once('.').map_or("", |(_, e)| e).to_lowercase();
-        if self.index.mesh.is_some() || !["glb", "obj", "ply"].contains(&extension.as_str()) {
+        let is_mesh =
+            self.index.mesh.is_none() && ["glb", "obj", "ply"].contains(&extension.as_str());
+        let is_grippers = self.index.grippers.is_none() && name == gripper::DOCUMENT;
+        if !is_mesh && !is_grippers {
             return Ok(());
         }
         if length > record.length.saturating_sub(head) {
             return Err(self.part.damaged(format!("the attachment `{name}` is cut off")));
         }
-        if length > MAX_MESH {
+        let limit = if is_mesh { MAX_MESH } else { MAX_DOCUMENT };
+        if length > limit {
             let what = format!("the attachment `{name}`");
-            return Err(Error::TooLarge { what, bytes: length, limit: MAX_MESH });
+            return Err(Error::TooLarge { what, bytes: length, limit });
         }
-        let bytes = region.read(self.part, record.start + head, length)?;
-        self.index.mesh = Some((name, bytes.into_owned()));
+        let mut bytes = region.read(self.part, record.start + head, length)?.into_owned();
+        if is_mesh {
+            self.index.mesh = Some((name, bytes));
+        } else {
+            unmark(&name, &mut bytes)?;
+            self.index.grippers = Some(bytes);
+        }
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 mod clocks;
 mod lens;
+mod robot;
 mod settings;
 mod topics;
 
@@ -9,7 +10,7 @@ use std::sync::Arc;
 
 use bendtwin_core::{Environment, Finding, Plane};
 
-use self::{settings::Settings, topics::CameraTopics};
+use self::{robot::Robot, settings::Settings, topics::CameraTopics};
 use super::{
     chunk::MAX_CHUNK,
     frames::{McapFrames, Stream, Streams},
@@ -22,15 +23,25 @@ use super::{
 };
 use crate::{
     Error, Limits, Sources,
+    files::Files,
     frame::Frame,
-    raw::{Camera, MeshFile, Recording, clock, decode::Size, validity},
+    raw::{Camera, MeshFile, Recording, clock, decode::Size, gripper, validity},
 };
+
+/// What lies beside a recording's files.
+#[derive(Default)]
+pub(super) struct Beside<'b, 'f> {
+    /// The document of grippers.
+    pub(super) grippers: Option<Vec<u8>>,
+    pub(super) files: Option<&'b mut Files<'f>>,
+}
 
 /// Makes a recording of what files hold; `sources` has what was left out before.
 pub(super) fn recording(
     name: &str,
     mut store: Store,
     mut index: Index,
+    beside: Beside<'_, '_>,
     mut sources: Sources,
     limits: &Limits,
 ) -> Result<Recording, Error> {
@@ -135,6 +146,22 @@ pub(super) fn recording(
     }
     drop(chosen);
     let frame_count = aligned.frame_count;
+    let attached = index.grippers.take();
+    if beside.grippers.is_some() && attached.is_some() {
+        let from = format!("the attachment {}", gripper::DOCUMENT);
+        sources.leave_out(from, "a file of this name lies beside the recording");
+    }
+    let grippers = match beside.grippers.or(attached) {
+        None => Vec::new(),
+        Some(document) => {
+            let ns = |seconds: &f64| start.saturating_add((seconds * 1e9).round() as i64);
+            let times_ns: Vec<i64> = aligned.times_s.iter().map(ns).collect();
+            let robot = Robot { index: &index, world: &world, times_ns: &times_ns };
+            let setting =
+                gripper::Setting { times_s: &aligned.times_s, frame: &frame, motion: Some(&robot) };
+            gripper::read(&document, beside.files, &setting, &mut sources)?
+        }
+    };
     let train = (frame_count as f64 * 0.7).round() as usize;
     let ground = settings.ground_height_m;
     let source = McapFrames { store, chunks: index.chunks, cameras: streams };
@@ -153,7 +180,7 @@ pub(super) fn recording(
         mesh: index.mesh.map(|(name, bytes)| MeshFile { name, bytes, to_world: None }),
         truth_tracks: Vec::new(),
         mass_kg: None,
-        grippers: Vec::new(),
+        grippers,
         notes,
         sources,
         source: Arc::new(source),

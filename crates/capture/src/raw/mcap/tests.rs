@@ -5,6 +5,7 @@ mod drivers;
 mod encode;
 mod hostile;
 mod made;
+mod robots;
 
 use std::{borrow::Cow, collections::BTreeMap, io::Cursor};
 

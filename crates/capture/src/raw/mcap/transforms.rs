@@ -6,7 +6,14 @@ use std::collections::BTreeMap;
 
 pub(super) use self::parents::Choice;
 use super::messages::Transform;
-use crate::{Error, files::at_most, raw::Pose};
+use crate::{
+    Error,
+    files::at_most,
+    raw::{
+        Pose,
+        clock::samples::{REACH_NS, around},
+    },
+};
 
 /// Transforms that are kept.
 const MAX_SAMPLES: usize = 1_000_000;
@@ -97,6 +104,34 @@ impl Tree {
         pose
     }
 
+    /// Pose of a frame in another in the same tree, at any place of it; `None` where it is unknown at
+    /// that time. `shared` is a frame above both.
+    pub(super) fn relative(&self, frame: &str, to: &str, shared: &str, ns: i64) -> Option<Pose> {
+        let mut ways = self.between(frame, shared).chain(self.between(to, shared));
+        ways.all(|edge| edge.is_known(ns))
+            .then(|| self.pose(to, shared, ns).inverse().after(&self.pose(frame, shared, ns)))
+    }
+
+    /// The frame nearest to two that is above both, or one of them.
+    pub(super) fn shared<'a>(&'a self, frame: &'a str, other: &'a str) -> Option<&'a str> {
+        let path = self.path(other);
+        self.path(frame).into_iter().find(|frame| path.contains(frame))
+    }
+
+    /// A frame at or above this one with several parents of which none was chosen.
+    pub(super) fn unsettled<'a>(&'a self, frame: &'a str) -> Option<&'a str> {
+        let is_unsettled = |frame: &&str| {
+            !self.chosen.contains_key(*frame)
+                && self.edges.get(*frame).is_some_and(|parents| parents.len() > 1)
+        };
+        self.path(frame).into_iter().find(is_unsettled)
+    }
+
+    /// Names of the frames that have a parent.
+    pub(super) fn frames(&self) -> impl Iterator<Item = &String> {
+        self.edges.keys()
+    }
+
     fn between<'a>(&'a self, frame: &'a str, world: &'a str) -> impl Iterator<Item = &'a Edge> {
         let path = self.path(frame);
         let below = path.into_iter().take_while(move |f| *f != world);
@@ -115,28 +150,24 @@ impl Edge {
         self.fixed.is_none() && self.samples.windows(2).any(|w| !w[0].is_as(&w[1]))
     }
 
+    /// `true` if its pose is known at a time: it is fixed, has a single sample, or one nearby.
+    fn is_known(&self, ns: i64) -> bool {
+        let found = around(&self.samples, |sample| sample.stamp_ns, ns);
+        self.fixed.is_some()
+            || self.samples.len() == 1
+            || found.is_some_and(|found| found.off_ns <= REACH_NS)
+    }
+
     /// Between the samples before and after, at the ends as the nearest one.
     fn at(&self, ns: i64) -> Pose {
         if let Some(fixed) = &self.fixed {
             return Pose::from_quaternion(fixed.rotation, fixed.translation);
         }
-        let after = self.samples.partition_point(|sample| sample.stamp_ns < ns);
-        let last = self.samples.len().saturating_sub(1);
-        let pair = (self.samples.get(after.saturating_sub(1)), self.samples.get(after.min(last)));
-        let (Some(a), Some(b)) = pair else { return Pose::IDENTITY };
-        let span = b.stamp_ns.saturating_sub(a.stamp_ns);
-        let share = if span > 0 {
-            (ns.saturating_sub(a.stamp_ns) as f64 / span as f64).clamp(0.0, 1.0)
-        } else {
-            0.0
+        let Some(found) = around(&self.samples, |sample| sample.stamp_ns, ns) else {
+            return Pose::IDENTITY;
         };
-        let mix = |a: f64, b: f64| a + share * (b - a);
-        // A quaternion and its negative are the same rotation; samples are near each other, so the
-        // chord will do.
-        let dot: f64 = a.rotation.iter().zip(&b.rotation).map(|(a, b)| a * b).sum();
-        let sign = if dot < 0.0 { -1.0 } else { 1.0 };
-        let q = std::array::from_fn(|i| mix(a.rotation[i], sign * b.rotation[i]));
-        let translation = std::array::from_fn(|i| mix(a.translation[i], b.translation[i]));
-        Pose::from_quaternion(q, translation)
+        let [a, b] = [found.before, found.after]
+            .map(|i| (self.samples[i].translation, self.samples[i].rotation));
+        Pose::between([&a, &b], found.share)
     }
 }

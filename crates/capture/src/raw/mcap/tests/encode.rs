@@ -143,6 +143,19 @@ impl Encoding {
         m.bytes
     }
 
+    /// Positions of joints, without velocities and efforts.
+    pub(super) fn joints(self, ns: i64, joints: &[(&str, f64)]) -> Vec<u8> {
+        let mut m = self.ros();
+        m.header(ns, "");
+        m.u32(joints.len() as u32);
+        joints.iter().for_each(|(name, _)| m.text(name));
+        m.u32(joints.len() as u32);
+        joints.iter().for_each(|(_, position)| m.f64s(&[*position]));
+        m.u32(0);
+        m.u32(0);
+        m.bytes
+    }
+
     pub(super) fn transforms(self, all: &[Transform<'_>]) -> Vec<u8> {
         if self == Self::Protobuf {
             let mut message = Proto::default();

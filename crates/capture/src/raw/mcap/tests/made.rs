@@ -1,6 +1,6 @@
 //! A recording as a list of messages of ROS 2, easy to change.
 
-use std::{collections::BTreeMap, io::Cursor};
+use std::{borrow::Cow, collections::BTreeMap, io::Cursor};
 
 use super::encode::{Encoding, Info};
 use crate::raw::testing::{FRAMES, HEIGHT, WIDTH, color_at, depth_mm_at, pixels};
@@ -115,6 +115,15 @@ pub(super) fn file(messages: &[Message]) -> Vec<u8> {
 
 /// A file of these messages with a metadata record.
 pub(super) fn with_settings(messages: &[Message], settings: &[(&str, &str)]) -> Vec<u8> {
+    with_extras(messages, settings, &[])
+}
+
+/// A file of these messages with a metadata record and attachments.
+pub(super) fn with_extras(
+    messages: &[Message],
+    settings: &[(&str, &str)],
+    attachments: &[(&str, &[u8])],
+) -> Vec<u8> {
     let options = ::mcap::WriteOptions::new().compression(None);
     let mut writer = options.create(Cursor::new(Vec::new())).unwrap();
     let mut channels: BTreeMap<(&str, &str), u16> = BTreeMap::new();
@@ -136,6 +145,16 @@ pub(super) fn with_settings(messages: &[Message], settings: &[(&str, &str)]) -> 
         let metadata = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
         let record = ::mcap::records::Metadata { name: "bendtwin".into(), metadata };
         writer.write_metadata(&record).unwrap();
+    }
+    for (name, data) in attachments {
+        let attachment = ::mcap::Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: (*name).to_owned(),
+            media_type: String::new(),
+            data: Cow::Borrowed(data),
+        };
+        writer.attach(&attachment).unwrap();
     }
     writer.finish().unwrap();
     writer.into_inner().into_inner()
