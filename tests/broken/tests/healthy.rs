@@ -1,6 +1,9 @@
 //! Healthy captures have no warning.
 
-use bendtwin_broken::healthy::{COUNT, Half, Healthy, half, healthy};
+use bendtwin_broken::{
+    Footage,
+    healthy::{COUNT, Half, Healthy, half, healthy},
+};
 use bendtwin_core::{CancelToken, Finding, Severity, settings::ingest::IngestSettings};
 use bendtwin_inspect::{inspect, inspect_observed};
 
@@ -28,6 +31,46 @@ fn all_complaints(which: impl Iterator<Item = usize>) -> Vec<String> {
 #[test]
 fn twelve_healthy_captures_have_no_warning() {
     let found = all_complaints((0..COUNT).step_by(5));
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+/// Four cameras, of which the second drops every tenth frame and closes up the rest.
+fn drifting() -> Footage {
+    let (_, Healthy::Recording(recording)) = healthy(51) else { panic!("it is staged") };
+    let mut footage = Footage::of(&recording).unwrap();
+    footage.about.frame_count = footage.about.frame_count * 9 / 10;
+    (0..footage.reels.len()).for_each(|camera| {
+        footage.retime(camera, |frame| Some(if camera == 1 { frame * 10 / 9 } else { frame }));
+    });
+    footage
+}
+
+fn findings(footage: Footage) -> Vec<Finding> {
+    let (settings, cancel) = (IngestSettings::default(), CancelToken::default());
+    inspect(&footage.recording(), &settings, &cancel, &mut |_| {}).unwrap().findings
+}
+
+#[test]
+fn a_camera_that_closes_up_gaps_drifts() {
+    let findings = findings(drifting());
+    let drift = findings.iter().find(|f| f.code == "CLOCKS_DRIFT");
+    assert!(drift.is_some_and(|f| f.cameras == [1]), "{findings:?}");
+}
+
+#[test]
+fn equal_time_stamps_rule_a_drift_out() {
+    let mut footage = drifting();
+    let (frames, fps) = (footage.about.frame_count, footage.about.fps);
+    for camera in &mut footage.about.cameras {
+        camera.times_s = (0..frames).map(|frame| frame as f64 / fps).collect();
+    }
+    let findings = findings(footage);
+    assert!(!findings.iter().any(|f| f.code == "CLOCKS_DRIFT"), "{findings:?}");
+}
+
+#[test]
+fn cables_of_motion_capture_have_no_warning() {
+    let found = all_complaints((2..36).step_by(3));
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 

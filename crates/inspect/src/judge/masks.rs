@@ -292,9 +292,15 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
     for frame in 1..areas.len() {
         let Some(own) = growth(frame) else { continue };
         let larger = areas[frame - 1].unwrap_or(0.0).max(areas[frame].unwrap_or(0.0));
-        // What turns fast changes its area for several frames.
-        let around = mean([frame - 1, frame + 1].into_iter().filter_map(growth)).unwrap_or(0.0);
-        let jumps = own.abs().min((own - around).abs());
+        // What turns fast changes its area for several frames, one way until it shows its edge and back
+        // after that. A mask that flickers changes to and fro, and a single bad one once.
+        let steady = mean([frame - 1, frame + 1].into_iter().filter_map(growth)).unwrap_or(0.0);
+        let [before, after] = [[frame.saturating_sub(2), frame - 1], [frame + 1, frame + 2]];
+        let way = |sides: [usize; 2]| mean(sides.into_iter().filter_map(growth)).unwrap_or(0.0);
+        let one_way = way(before).abs().max(way(after).abs());
+        let sizes = before.into_iter().chain(after).filter_map(growth).map(f64::abs);
+        let turning = one_way.min(median(sizes).unwrap_or(0.0)).min(limits.max_turn_ratio.ln());
+        let jumps = (own.abs() - turning).min((own - steady).abs());
         if larger >= small && jumps > limits.max_area_ratio.ln() {
             frames.push(frame);
             worst = worst.max(own.abs().exp());

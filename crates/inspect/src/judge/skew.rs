@@ -72,7 +72,8 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
 }
 
 /// Growth of the skew between two cameras from the first half to the second [frames]. `None` unless
-/// the halves and the whole agree on it; 0 if the frames' times show none.
+/// the halves and the whole agree on it, or if the paths differ too little; 0 if the frames' times
+/// show none.
 fn drift(
     context: &Context<'_>,
     filled: &Filled,
@@ -90,10 +91,14 @@ fn drift(
     if !(is_clear(&first) && is_clear(&second)) {
         return None;
     }
+    let deviation_m = first.unshifted_m2.max(second.unshifted_m2).sqrt();
     let (first, second) = (first.frames, second.frames);
     let drift = second - first;
     if drift.abs() <= limits.max_drift_frames {
         return Some(drift);
+    }
+    if deviation_m < limits.min_drift_deviation_m {
+        return None;
     }
     let [low, high] = [first.min(second), first.max(second)];
     let slack = limits.max_skew_frames;
@@ -120,8 +125,8 @@ fn drift_by_times(context: &Context<'_>, [a, b]: [usize; 2]) -> Option<f64> {
     Some(-grown * context.recording.fps)
 }
 
-/// The finding about cameras, the first of which drifts or is skewed against others; these have one
-/// name for where it drifts, and one for where it is skewed.
+/// Adds the finding about cameras of which the first drifts from others, or is later than they are. A
+/// message calls these differently in the two cases.
 fn flag(
     context: &Context<'_>,
     cameras: &[usize],
@@ -210,7 +215,9 @@ fn without_gaps(path: &Path, most: usize) -> Path {
 struct Shift {
     /// Number of frames by which the first shows things later.
     frames: f64,
-    /// Share of the variance between their paths that remains, 0..=1.
+    /// Variance between their paths without a shift [m²].
+    unshifted_m2: f64,
+    /// Share of that variance that remains, 0..=1.
     remaining: f64,
 }
 
@@ -250,7 +257,7 @@ fn shift(
     let unshifted = cost(0)?;
     let whole = at as i64 - window;
     if whole != 0 && best > limits.max_remaining_share * unshifted {
-        return Some(Shift { frames: 0.0, remaining: 1.0 });
+        return Some(Shift { frames: 0.0, unshifted_m2: unshifted, remaining: 1.0 });
     }
     let neighbour = |i: Option<usize>| costs.get(i?).copied().flatten();
     let (left, right) = (neighbour(at.checked_sub(1))?, neighbour(Some(at + 1))?);
@@ -258,7 +265,7 @@ fn shift(
     let bend = left + right - 2.0 * best;
     let part = if bend > 1e-12 { 0.5 * (left - right) / bend } else { 0.0 };
     let remaining = best / unshifted.max(f64::MIN_POSITIVE);
-    Some(Shift { frames: whole as f64 + part, remaining })
+    Some(Shift { frames: whole as f64 + part, unshifted_m2: unshifted, remaining })
 }
 
 /// True if a path moves enough to be aligned.

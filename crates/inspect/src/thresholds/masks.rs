@@ -6,6 +6,9 @@ pub(crate) struct MaskThresholds {
     /// Ratio of the areas of a mask in two successive frames from which it jumps. Chosen by hand;
     /// in healthy recordings it is at most 1.18.
     pub(crate) max_area_ratio: f64,
+    /// Largest ratio of areas in two successive frames that turning explains; only what exceeds it counts
+    /// as a jump. Chosen by hand; rings seen from the side reach 1.25.
+    pub(crate) max_turn_ratio: f64,
     /// Area below which such a ratio means nothing [areas of the image]: 150 pixels of 640 x 480.
     /// Chosen by hand.
     pub(crate) min_area_share: f64,
@@ -38,6 +41,7 @@ impl Default for MaskThresholds {
     fn default() -> Self {
         Self {
             max_area_ratio: 1.45,
+            max_turn_ratio: 1.25,
             min_area_share: 5e-4,
             max_covered_share: 0.6,
             max_overlap_share: 0.1,

@@ -30,6 +30,9 @@ pub(crate) struct SkewThresholds {
     /// Skew from which a fit is meaningless, if it is also more than `bad_skew_s` [frames]. Chosen
     /// by hand.
     pub(crate) bad_skew_frames: f64,
+    /// Deviation between two paths without a shift, in at least one half, from which their skew may grow
+    /// [m]. Chosen by hand: cameras see different sides of a hand, whose middles differ by half of this.
+    pub(crate) min_drift_deviation_m: f64,
     /// Growth of the skew from the first half to the second beyond which clocks drift [frames].
     /// Chosen by hand; in healthy recordings at most 0.27 frames are measured.
     pub(crate) max_drift_frames: f64,
@@ -48,6 +51,7 @@ impl Default for SkewThresholds {
             max_skew_frames: 0.8,
             bad_skew_s: 0.1,
             bad_skew_frames: 3.0,
+            min_drift_deviation_m: 0.012,
             max_drift_frames: 3.0,
         }
     }

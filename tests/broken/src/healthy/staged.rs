@@ -47,8 +47,9 @@ impl Motion {
         Self::TwoHands,
     ];
 
-    /// Shift of the hand [m].
-    fn shift(self, t: f64) -> Vector {
+    /// Shift of the hand [m]. Swings are slower before slow cameras: at 15 frames a second the object would
+    /// move by 54 mm from frame to frame, of which the tracker confirms one motion in a hundred.
+    fn shift(self, t: f64, fps: f64) -> Vector {
         let step = |from: f64, to: f64| {
             let s = ((t - from) / (to - from)).clamp(0.0, 1.0);
             s * s * (3.0 - 2.0 * s)
@@ -66,7 +67,10 @@ impl Motion {
                 let on = step(0.5, 0.9);
                 [0.06 * on * s, 0.06 * on * (1.0 - c), 0.02 * on * s]
             }
-            Self::Swing => [0.0, 0.09 * step(0.5, 0.8) * (TAU * 1.5 * (t - 0.5)).sin(), 0.0],
+            Self::Swing => {
+                let rate = 1.5 * (fps / 25.0).min(1.0);
+                [0.0, 0.09 * step(0.5, 0.8) * (TAU * rate * (t - 0.5)).sin(), 0.0]
+            }
             // Across the view of the first camera.
             Self::Leave => {
                 let s = step(0.4, 1.2) - step(1.4, 2.2);
@@ -101,19 +105,19 @@ struct Stage {
 }
 
 /// A healthy recording and its name.
-pub(super) fn recording(number: usize) -> (String, Recording) {
+pub(super) fn recording(number: usize, seed: u64) -> (String, Recording) {
     let shape = Shape::ALL[number % Shape::ALL.len()];
     let motion = Motion::ALL[number % Motion::ALL.len()];
     let fps = [30.0, 15.0, 60.0, 30.0, 25.0][number % 5];
     let count = [3, 2, 4, 3, 1][number % 5];
     let count = if motion == Motion::Leave { count.max(2) } else { count };
-    let cameras: Vec<Camera> = (0..count).map(|camera| place(number, camera, count)).collect();
+    let cameras: Vec<Camera> =
+        (0..count).map(|camera| place(number, seed, camera, count)).collect();
     // One of several cameras may be slower than the others.
     let is_slow = |camera: usize| number % 6 == 3 && camera == 1;
     let every = (0..count).map(|camera| if is_slow(camera) { 2 } else { 1 }).collect();
     let frame_count = (2.4 * fps) as usize;
-    let stage =
-        Stage { shape, motion, fps, every, seed: 1000 + number as u64, cameras: cameras.clone() };
+    let stage = Stage { shape, motion, fps, every, seed: 1000 + seed, cameras: cameras.clone() };
     let name = format!("staged {shape:?}, {motion:?}, {count} cameras at {fps} fps");
     let recording = Recording {
         name: name.clone(),
@@ -134,9 +138,9 @@ pub(super) fn recording(number: usize) -> (String, Recording) {
     (name, recording)
 }
 
-/// A camera of a rig: rigs are turned, and their cameras stand at different heights and distances.
-fn place(number: usize, camera: usize, count: usize) -> Camera {
-    let varied = |key: i64| 2.0 * chance(number as u64, [camera as i64, 0, 0, key]) - 1.0;
+/// A camera of a rig: by their seeds, rigs are turned, and their cameras stand at different heights and distances.
+fn place(number: usize, seed: u64, camera: usize, count: usize) -> Camera {
+    let varied = |key: i64| 2.0 * chance(seed, [camera as i64, 0, 0, key]) - 1.0;
     let turn = 360.0 * camera as f64 / count as f64 + 53.0 * number as f64 + 18.0 * varied(1);
     let (s, c) = turn.to_radians().sin_cos();
     let out = 0.72 * (1.0 + 0.15 * varied(2));
@@ -175,7 +179,7 @@ impl Stage {
         // What a hand does reaches the rest later, and the rest hangs lower.
         let from = |grasp: Vector, mirrored: f64, p: Vector| {
             let far = distance(grasp, p);
-            let [x, y, z] = self.motion.shift(t - 0.35 * far);
+            let [x, y, z] = self.motion.shift(t - 0.35 * far, self.fps);
             let [x, y] = self.across([x, y]);
             let sag = 1.0 - (far / 0.6).min(0.8) * (z / 0.2).clamp(0.0, 1.0);
             [mirrored * x, mirrored * y, (z * sag).max(0.0)]
