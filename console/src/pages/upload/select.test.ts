@@ -131,6 +131,19 @@ describe('the files of a folder that are sent', () => {
     ]);
   });
 
+  test('have the grippers beside MCAP files, with what they are read from', async () => {
+    const grippers = { 'grippers.json': '{"grippers": [{"poses": {"lerobot": {"file": "data/0.parquet"}}}]}' };
+    const split = ['bag_0.mcap', 'data/0.parquet', 'grippers.json', 'metadata.yaml'];
+    const other = ['data/1.parquet', 'notes.txt'];
+    expect(sent(await packagesOf('run', files([...split, ...other], grippers)))).toEqual([['run', split]]);
+    const alone = ['a.mcap', 'data/0.parquet', 'grippers.json', ...other];
+    expect(sent(await packagesOf('day', files(alone, grippers)))).toEqual([
+      ['a', ['data/0.parquet', 'grippers.json', 'a.mcap']],
+    ]);
+    const damaged = files(alone, { 'grippers.json': '{' });
+    expect(sent(await packagesOf('day', damaged))).toEqual([['a', ['grippers.json', 'a.mcap']]]);
+  });
+
   test('are all of them where a document is damaged or nothing is recognised', async () => {
     const damaged = await packagesOf('b', files(['capture.json', 'a.png'], { 'capture.json': '{' }));
     expect(sent(damaged)).toEqual([['b', ['a.png', 'capture.json']]]);

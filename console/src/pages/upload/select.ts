@@ -23,7 +23,9 @@ const ARCHIVE = /\.(zip|tar|tgz|tar\.gz|mcap|mcap\.zstd?)$/i;
 const MARKERS = /\.(c3d|csv|trc)$/i;
 const MCAP = /\.mcap(\.zstd?)?$/i;
 /** Files of a recording that `ros2 bag record` split, beside the `metadata.yaml` that lists them. */
-const SPLIT = /^(metadata\.yaml|calibration\.json|[^/]*\.mcap(\.zstd?)?)$/i;
+const SPLIT = /^(metadata\.yaml|(calibration|grippers)\.json|[^/]*\.mcap(\.zstd?)?)$/i;
+/** What is read beside an MCAP file. */
+const BESIDE_MCAP = /^(calibration|grippers)\.json$/;
 /** Files of kinds that captures have, or that people take for captures. */
 const OF_CAPTURES = /\.(json|pkl|npy|npz|png|jpe?g|csv|c3d|tsv|trc|mp4|avi|mkv|mov|bag|db3|glb|ply|obj|txt\.gz|exr|tiff?)$/i;
 /** Documents that are larger are not looked into [bytes]. */
@@ -58,19 +60,23 @@ export async function packagesOf(root: string, given: readonly FolderFile[]): Pr
     packages.push({ kind: 'folder', name, files: read, left: own.length - read.length, note: noteOf(own) });
   }
   const single = captures.outside.filter(({ path }) => ARCHIVE.test(path));
-  packages.push(...single.map((one) => packageOfOne(one, captures.outside)));
+  for (const one of single) packages.push(await packageOfOne(one, captures.outside));
   if (packages.length > 0 || !files.some(({ path }) => OF_CAPTURES.test(path))) return packages;
   return [{ kind: 'folder', name: asName(root), files, left: 0, note: null }];
 }
 
-/** A file that is a capture; an MCAP file with the calibration beside it, if there is one among `all`. */
-function packageOfOne({ path, file }: FolderFile, all: readonly FolderFile[]): Package {
+/** A file that is a capture; an MCAP file with the documents beside it, if there are some among `all`. */
+async function packageOfOne({ path, file }: FolderFile, all: readonly FolderFile[]): Promise<Package> {
   const name = nameOf(file.name);
   const folder = path.slice(0, path.lastIndexOf('/') + 1);
-  const calibration = MCAP.test(path) && all.find((other) => other.path === `${folder}calibration.json`);
-  if (!calibration) return { kind: 'file', name, file };
-  const files = [calibration, { path, file }].map((own) => ({ ...own, path: own.path.slice(folder.length) }));
-  return { kind: 'folder', name, files, left: 0, note: null };
+  const around = all
+    .filter((other) => MCAP.test(path) && other.path.startsWith(folder) && !ARCHIVE.test(other.path))
+    .map((other) => ({ ...other, path: other.path.slice(folder.length) }));
+  const documents = matching(around, BESIDE_MCAP);
+  if (documents.length === 0) return { kind: 'file', name, file };
+  // The folder may hold anything, so of a damaged document nothing is guessed.
+  const beside = await named(around, [GRIPPERS], BESIDE_MCAP, documents);
+  return { kind: 'folder', name, files: [...beside, { path: path.slice(folder.length), file }], left: 0, note: null };
 }
 
 /** A folder may have a recording twice: as tracked points, which are read, and as the images that they were made of. */
@@ -130,7 +136,7 @@ async function filesRead(files: readonly FolderFile[]): Promise<FolderFile[]> {
   if (has('capture.json')) return named(files, ['capture.json', GRIPPERS], BUNDLE);
   if (has('final_data.pkl')) return matching(files, PROCESSED_CASE);
   if (has('metadata.json')) return matching(files, RAW_CASE).filter(({ path }) => !BESIDE_RAW_CASE.test(path));
-  if (has('metadata.yaml')) return matching(files, SPLIT);
+  if (has('metadata.yaml')) return named(files, [GRIPPERS], SPLIT);
   if (has('transforms.json')) return named(files, ['transforms.json', GRIPPERS], NERFSTUDIO);
   return [...files];
 }
@@ -172,12 +178,17 @@ async function severalRead(files: readonly FolderFile[]): Promise<FolderFile[]> 
  * Files of a pattern, and those that documents name, literally or by `{frame}` or `{frame:06}`. Of the documents those
  * that are there count.
  */
-async function named(files: readonly FolderFile[], documents: readonly string[], always: RegExp): Promise<FolderFile[]> {
+async function named(
+  files: readonly FolderFile[],
+  documents: readonly string[],
+  always: RegExp,
+  ifDamaged = files,
+): Promise<FolderFile[]> {
   const texts: string[] = [];
   for (const { file } of files.filter(({ path }) => documents.includes(path))) {
     const own = file.size > DOCUMENT_BYTES ? null : textsOf(await file.text());
     // The server says what is wrong with it.
-    if (own === null) return [...files];
+    if (own === null) return [...ifDamaged];
     texts.push(...own);
   }
   const names = new Set(texts);
