@@ -225,3 +225,16 @@ fn the_document_has_the_strokes_and_the_doubt() {
     let read: Vec<Stroke> = serde_json::from_value(document["strokes"].clone()).unwrap();
     assert_eq!(read, strokes);
 }
+
+#[test]
+fn doubtful_and_lost_images_are_named() {
+    let names = ["left".to_owned(), "right".to_owned()];
+    let mut doubt = vec![vec![Some(0.1); 20]; 2];
+    assert!(findings::doubtful(&names, &doubt).is_none());
+    doubt[1][4..6].fill(Some(0.4));
+    let found = findings::doubtful(&names, &doubt).unwrap();
+    assert_eq!((found.cameras, found.frames), (vec![1], vec![4, 5]));
+    let lost = findings::lost("object", "OBJECT_NOT_FOLLOWED", &[true, false, true]);
+    assert_eq!(lost.unwrap().frames, [1]);
+    assert!(findings::lost("hand", "HAND_NOT_FOLLOWED", &[true; 3]).is_none());
+}

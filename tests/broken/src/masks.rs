@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use bendtwin_capture::raw::{ColorImage, Mask};
+use jpeg_encoder::{ColorType, Encoder};
 
 use crate::{
     Broken,
@@ -30,6 +31,17 @@ pub fn all() -> Vec<Broken> {
                 let header = "{'descr': '|b1', 'fortran_order': False, 'shape': (120, 160), }";
                 let name = ["toy", "hand"][label];
                 (format!("mask/{camera}/{name}/{frame:05}.npy"), npy(header, &pixels))
+            });
+        }),
+        case("masks as JPEG", Sound("MASK_LABELS"), |f| {
+            replace(f, |camera, label, frame, mask| {
+                let gray: Vec<u8> =
+                    mask.pixels.iter().map(|shown| 255 * u8::from(*shown)).collect();
+                let mut bytes = Vec::new();
+                let (encoder, [width, height]) =
+                    (Encoder::new(&mut bytes, 95), SIZE.map(|n| n as u16));
+                encoder.encode(&gray, width, height, ColorType::Luma).expect("it has pixels");
+                (format!("mask/{camera}/{}/{frame:05}.jpg", ["toy", "hand"][label]), bytes)
             });
         }),
         case("numbers of things without names", Refused("MASK_LABELS_UNCLEAR"), |f| {

@@ -116,3 +116,16 @@ fn nothing_of_one_recording_follows_from_another() {
     assert_eq!(codes, ["DEPTH_MISALIGNED", "DEPTH_SPARSE"]);
     assert_eq!(report.inspection().verdict, Verdict::Unusable);
 }
+
+#[test]
+fn what_was_read_and_left_out_is_listed() {
+    let mut seen = inspected();
+    seen.sources.take("depth", Some("<b>"), "/cam0/depth", "16UC1");
+    seen.sources.leave_out("/cam0/ir", "infrared");
+    let report = Report::new(seen, None);
+    let html = report.to_html();
+    assert_well_formed(&html);
+    assert!(html.contains("&lt;b&gt;") && html.contains("/cam0/ir"), "{html}");
+    let document: serde_json::Value = serde_json::from_str(&report.to_json()).unwrap();
+    assert_eq!(document["sources"]["left_out"][0]["from"], "/cam0/ir");
+}

@@ -1,4 +1,4 @@
-use bendtwin_capture::raw::Distortion;
+use bendtwin_capture::raw::{Distortion, Gripper, Pad, Pose};
 use bendtwin_core::{ObserverError, Problem, settings::ingest::IngestSettings};
 
 use super::*;
@@ -279,4 +279,31 @@ fn without_tracks_the_built_in_tracker_makes_them_once() {
     let mut again = CheckpointRecorder::new(usize::MAX);
     assert_eq!(lift(&scene(), &settings, from, &mut again, &cancel).unwrap(), whole);
     assert!(again.fractions[0] > TRACKED, "what was tracked is not tracked again");
+}
+
+#[test]
+fn a_gripper_stands_in_for_masks_of_a_hand() {
+    let mut recording = TestScene { hand: false, ..TestScene::default() }.recording();
+    let pose = |frame: usize| {
+        let middle = point(place(frame, hand_middle()));
+        Some(Pose { translation: middle.map(f64::from), ..Pose::IDENTITY })
+    };
+    let pad = Pad { length_m: 0.02, breadth_m: 0.02 };
+    let poses = (0..recording.frame_count).map(pose).collect();
+    recording.grippers = vec![Gripper { name: "right".into(), poses, widths_m: Vec::new(), pad }];
+    let settings = IngestSettings::default();
+    let made = lift(&recording, &settings, None, &mut (), &CancelToken::default()).unwrap();
+    let sequence = &made.capture.sequences[0];
+    assert!(sequence.control_count() > 0);
+    // They move with the gripper.
+    let controls = sequence.control_count();
+    let last = sequence.frame_count - 1;
+    let [from, to] = [0, last].map(|f| point(place(f, hand_middle())));
+    for control in 0..controls {
+        let [start, end] = [0, last].map(|frame| sequence.controls[frame * controls + control]);
+        for axis in 0..3 {
+            let moved = (end[axis] - start[axis]) - (to[axis] - from[axis]);
+            assert!(moved.abs() < 1e-3, "{control}: {moved}");
+        }
+    }
 }
