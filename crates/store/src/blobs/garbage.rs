@@ -26,8 +26,13 @@ impl Store {
     /// [`crate::Error::StoreMismatch`] if the database or the blobs have been replaced; database
     /// and file errors.
     pub async fn collect_garbage(&self) -> Result<()> {
+        let Some(turn) = self.inner.database.turn(TURN).await? else { return Ok(()) };
+        let collected = self.collect_in_turn().await;
+        collected.and(turn.end().await)
+    }
+
+    async fn collect_in_turn(&self) -> Result<()> {
         let blobs = self.blobs();
-        let Some(_turn) = self.inner.database.turn(TURN).await? else { return Ok(()) };
         identity::verify(&self.inner.database, blobs.place()).await?;
         self.forget_deleted_requests().await?;
         if blobs.place().is_shared() {

@@ -195,17 +195,27 @@ impl Server {
     }
 }
 
-/// The turn to do a work, until it is dropped.
+/// The turn to do a work, until it ends or is dropped.
 #[derive(Debug)]
 pub(crate) struct Turn {
-    /// The session that has the lock. It is closed at the end, which releases the lock.
-    _session: Option<sqlx::pool::PoolConnection<sqlx::Postgres>>,
+    /// The work, and the session that has its lock. Closing the session releases the lock, too, but some
+    /// time after a drop.
+    held: Option<(i64, sqlx::pool::PoolConnection<sqlx::Postgres>)>,
 }
 
 impl Turn {
     /// Notifications of a single server.
     pub(super) fn alone() -> Self {
-        Self { _session: None }
+        Self { held: None }
+    }
+
+    /// Passes the turn on: the next server that asks gets it.
+    pub(crate) async fn end(self) -> Result<()> {
+        if let Some((work, mut session)) = self.held {
+            let unlock = sqlx::query("select pg_advisory_unlock($1)").bind(work);
+            unlock.execute(&mut *session).await?;
+        }
+        Ok(())
     }
 }
 
@@ -218,7 +228,7 @@ impl Server {
             return Ok(None);
         }
         session.close_on_drop();
-        Ok(Some(Turn { _session: Some(session) }))
+        Ok(Some(Turn { held: Some((work, session)) }))
     }
 }
 
