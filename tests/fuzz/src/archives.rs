@@ -42,6 +42,15 @@ pub fn transforms(data: &[u8]) {
     recordings::expect_sound(&archives::with(files, "transforms.json", data.to_vec()));
 }
 
+/// `grippers.json`, beside images.
+pub fn grippers(data: &[u8]) {
+    recordings::expect_sound(&archives::with(
+        samples::raw_bundle(),
+        "grippers.json",
+        data.to_vec(),
+    ));
+}
+
 /// Masks of a camera, of all frames and of one.
 pub fn masks(data: &[u8]) {
     for archive in bendtwin_hostile::masks::capture(data.to_vec()) {

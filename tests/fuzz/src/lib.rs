@@ -35,6 +35,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "checkpoint", run: twins::checkpoint, seeds: seeds::checkpoint },
     Target { name: "colmap", run: calibrations::colmap, seeds: seeds::colmap },
     Target { name: "glb", run: meshes::glb, seeds: seeds::glb },
+    Target { name: "grippers", run: archives::grippers, seeds: seeds::grippers },
     Target { name: "jpeg", run: images::jpeg, seeds: seeds::jpeg },
     Target { name: "lz4", run: recordings::lz4, seeds: seeds::lz4 },
     Target { name: "manifest", run: archives::manifest, seeds: seeds::manifest },

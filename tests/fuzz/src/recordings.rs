@@ -53,6 +53,10 @@ pub(crate) fn expect_sound(bytes: &[u8]) {
     assert!((1..=limits.cameras).contains(&recording.cameras.len()));
     assert!((1..=limits.recording_frames).contains(&recording.frame_count));
     assert!(recording.fps.is_finite() && recording.fps > 0.0);
+    for gripper in &recording.grippers {
+        assert_eq!(gripper.poses.len(), recording.frame_count);
+        assert!([0, recording.frame_count].contains(&gripper.widths_m.len()));
+    }
     for index in 0..recording.cameras.len() {
         decode(&recording, index);
     }

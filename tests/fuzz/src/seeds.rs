@@ -95,6 +95,10 @@ pub(crate) fn transforms() -> Vec<Vec<u8>> {
     with_damage(vec![documents::transforms()])
 }
 
+pub(crate) fn grippers() -> Vec<Vec<u8>> {
+    with_damage(documents::grippers())
+}
+
 pub(crate) fn metadata() -> Vec<Vec<u8>> {
     with_damage(documents::metadata())
 }

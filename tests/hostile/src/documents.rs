@@ -105,6 +105,34 @@ pub fn transforms() -> Vec<u8> {
     .into_bytes()
 }
 
+/// Valid documents of grippers, for the images of the recording: with poses of each frame, and from
+/// what the recording or a dataset has, which a raw bundle lacks.
+pub fn grippers() -> Vec<Vec<u8>> {
+    let poses = vec![[0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0]; samples::FRAMES];
+    let table = serde_json::json!({
+        "file": "a.parquet", "episode": 1, "column": "action", "elements": [0, 1, 2, 3, 4, 5],
+        "start_s": 0.5,
+    });
+    let all = [
+        serde_json::json!({
+            "name": "left", "poses": poses, "widths": vec![0.04; samples::FRAMES],
+            "base": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
+            "axes": {"approach": "+x", "opening": "-y"},
+            "pad": {"length_m": 0.03, "breadth_m": 0.01},
+        }),
+        serde_json::json!({
+            "poses": {"frame": "tcp"},
+            "widths": {"joints": ["a", "b"], "topic": "/joints", "scale": 2.0, "offset_m": -0.01},
+        }),
+        serde_json::json!({
+            "poses": {"lerobot": table, "rotation": "rotation_vector"},
+            "widths": {"lerobot": table, "scale": 0.08, "offset_m": 0.0},
+        }),
+    ];
+    let document = |gripper| serde_json::json!({"format": "bendtwin-grippers", "version": 1, "grippers": [gripper]});
+    all.into_iter().map(|gripper| document(gripper).to_string().into_bytes()).collect()
+}
+
 /// Valid documents of a raw case, for the images of the recording: of cameras of different rates, with
 /// depth of another camera, and with times.
 pub fn metadata() -> Vec<Vec<u8>> {
