@@ -4,18 +4,20 @@ use bendtwin_broken::{
     Footage,
     healthy::{COUNT, Half, Healthy, half, healthy},
 };
+use bendtwin_capture::raw::Recording;
 use bendtwin_core::{CancelToken, Finding, Severity, settings::ingest::IngestSettings};
 use bendtwin_inspect::{inspect, inspect_observed};
+
+fn findings(recording: &Recording) -> Vec<Finding> {
+    let (settings, cancel) = (IngestSettings::default(), CancelToken::default());
+    inspect(recording, &settings, &cancel, &mut |_| {}).unwrap().findings
+}
 
 /// Everything that a report of a capture asks to be done.
 fn complaints(index: usize) -> Vec<String> {
     let (name, capture) = healthy(index);
     let findings = match capture {
-        Healthy::Recording(recording) => {
-            let settings = IngestSettings::default();
-            let cancel = CancelToken::default();
-            inspect(&recording, &settings, &cancel, &mut |_| {}).unwrap().findings
-        }
+        Healthy::Recording(recording) => findings(&recording),
         Healthy::Points(capture) => inspect_observed(&capture).findings,
     };
     let asks = |f: &&Finding| f.severity != Severity::Info;
@@ -45,14 +47,9 @@ fn drifting() -> Footage {
     footage
 }
 
-fn findings(footage: Footage) -> Vec<Finding> {
-    let (settings, cancel) = (IngestSettings::default(), CancelToken::default());
-    inspect(&footage.recording(), &settings, &cancel, &mut |_| {}).unwrap().findings
-}
-
 #[test]
 fn a_camera_that_closes_up_gaps_drifts() {
-    let findings = findings(drifting());
+    let findings = findings(&drifting().recording());
     let drift = findings.iter().find(|f| f.code == "CLOCKS_DRIFT");
     assert!(drift.is_some_and(|f| f.cameras == [1]), "{findings:?}");
 }
@@ -64,7 +61,7 @@ fn equal_time_stamps_rule_a_drift_out() {
     for camera in &mut footage.about.cameras {
         camera.times_s = (0..frames).map(|frame| frame as f64 / fps).collect();
     }
-    let findings = findings(footage);
+    let findings = findings(&footage.recording());
     assert!(!findings.iter().any(|f| f.code == "CLOCKS_DRIFT"), "{findings:?}");
 }
 

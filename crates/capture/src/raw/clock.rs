@@ -10,8 +10,6 @@ use crate::{Error, files::at_most};
 pub(super) struct Aligned {
     /// Frames per second.
     pub(super) fps: f64,
-    /// Number of frames T.
-    pub(super) frame_count: usize,
     /// Time of each frame [T] [s], by the clock of the camera with the most images.
     pub(super) times_s: Vec<f64>,
     /// Index into a camera's times, shape [camera, T]; `None` where it has no image.
@@ -57,7 +55,7 @@ pub(super) fn align(times: &[Vec<f64>], limit: usize) -> Result<Aligned, Error> 
     }
     at_most("frames of a recording", ticks.len(), limit)?;
     let images = times.iter().map(|times| assign(times, &ticks, REACH * period)).collect();
-    Ok(Aligned { fps: 1.0 / period, frame_count: ticks.len(), times_s: ticks, images })
+    Ok(Aligned { fps: 1.0 / period, times_s: ticks, images })
 }
 
 fn assign(times: &[f64], ticks: &[f64], reach: f64) -> Vec<Option<usize>> {

@@ -29,7 +29,7 @@ use ruzstd::decoding::StreamingDecoder;
 
 pub(super) use self::parts::is_named;
 use self::{index::Index, place::Store};
-use super::{Recording, gripper};
+use super::Recording;
 use crate::{
     Error, Limits, Sources,
     files::{Files, Section, SharedFile, shortened},
@@ -71,16 +71,7 @@ pub(super) fn read(mut files: Files<'_>) -> Result<Recording, Error> {
         let form = format!("{} files, as one recording", names.len());
         sources.take("recording", None, shortened(&names, names.len()), form);
     }
-    let beside = files.find_document(gripper::DOCUMENT)?;
-    let store = Store::new(parts.parts);
-    rig::recording(
-        &name,
-        store,
-        index,
-        rig::Beside { grippers: beside, files: Some(&mut files) },
-        sources,
-        &limits,
-    )
+    rig::recording(&name, Store::new(parts.parts), index, Some(&mut files), sources, &limits)
 }
 
 /// Reads the recording in an MCAP file, but none of its frames.
@@ -92,14 +83,7 @@ pub(super) fn read_file(path: &Path, limits: &Limits) -> Result<Recording, Error
     let name = parts::stem(&at);
     let part = parts::part(at, Section::of_file(file), limits, &mut left)?;
     let index = Index::read(std::slice::from_ref(&part), limits)?;
-    rig::recording(
-        &name,
-        Store::new(vec![part]),
-        index,
-        rig::Beside::default(),
-        Sources::default(),
-        limits,
-    )
+    rig::recording(&name, Store::new(vec![part]), index, None, Sources::default(), limits)
 }
 
 #[cfg(test)]

@@ -180,7 +180,7 @@ pub(super) fn check_size(
 pub(super) fn settle_pose(camera: &str, pose: &Pose) -> Result<Pose, Error> {
     let fail = |fault: String| Err(Error::Camera { camera: camera.to_owned(), fault });
     let Pose { rotation: r, translation } = pose;
-    if !r.iter().flatten().chain(translation).all(|x| x.is_finite()) {
+    if !pose.is_finite() {
         return fail("its pose has numbers that are not finite".to_owned());
     }
     if translation.iter().any(|x| x.abs() > FARTHEST_M) {

@@ -204,7 +204,7 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// Notifications of a single server.
+    /// The turn of a single server, which asks no other.
     pub(super) fn alone() -> Self {
         Self { held: None }
     }

@@ -13,7 +13,7 @@ use parquet::{
     errors::ParquetError,
     file::reader::{FileReader, SerializedFileReader},
     record::Field,
-    schema::types::{Type, TypePtr},
+    schema::types::Type,
 };
 
 use super::{
@@ -21,11 +21,7 @@ use super::{
     document::{Rotation, Table},
     settle_pose, wrong,
 };
-use crate::{
-    Error,
-    files::at_most,
-    raw::clock::samples::{REACH_NS, around},
-};
+use crate::{Error, files::at_most, raw::clock::samples::nearby};
 
 const EPISODE: &str = "episode_index";
 const TIME: &str = "timestamp";
@@ -90,10 +86,7 @@ fn sampled<T>(
     let bytes = reader.files(&table.file)?.read(&table.file)?;
     // The library panics on some damaged pages.
     let read = catch_unwind(AssertUnwindSafe(|| rows(table, bytes)));
-    let rows = read.unwrap_or_else(|_| {
-        let fault = "it cannot be read as Parquet: a page is damaged".to_owned();
-        Err(Error::Document { at: table.file.clone(), fault })
-    })?;
+    let rows = read.unwrap_or_else(|_| Err(table.unreadable("a page is damaged")))?;
     let times_s = reader.setting.times_s;
     let [start, first] = [rows.first().map(|row| row.time_s), times_s.first().copied()]
         .map(|time| time.unwrap_or(f64::NAN));
@@ -104,11 +97,10 @@ fn sampled<T>(
     let ns = |seconds: f64| (seconds * 1e9).round() as i64;
     let at = |time_s: f64| {
         let time = ns(start + table.start_s + time_s - first);
-        let found = around(&rows, |row| ns(row.time_s), time)?;
-        (found.off_ns <= REACH_NS).then(|| (&rows[found.before], &rows[found.after], found.share))
+        nearby(&rows, |row| ns(row.time_s), time)
     };
     let mixed = |time_s: &f64| match at(*time_s) {
-        Some((before, after, share)) => mix([before, after], share),
+        Some(found) => mix([found.before, found.after].map(|i| &rows[i]), found.share),
         None => Ok(None),
     };
     times_s.iter().map(mixed).collect()
@@ -126,7 +118,7 @@ struct Row {
 fn rows(table: &Table, bytes: Vec<u8>) -> Result<Vec<Row>, Error> {
     let at = table.file.as_str();
     let fault = |fault: String| Error::Document { at: at.to_owned(), fault };
-    let unreadable = |e: ParquetError| fault(format!("it cannot be read as Parquet: {e}"));
+    let unreadable = |e: ParquetError| table.unreadable(&e.to_string());
     at_most("elements", table.elements.len(), MAX_ELEMENTS)?;
     let file = SerializedFileReader::new(Bytes::from(bytes)).map_err(unreadable)?;
     let metadata = file.metadata();
@@ -143,7 +135,7 @@ fn rows(table: &Table, bytes: Vec<u8>) -> Result<Vec<Row>, Error> {
     let schema = metadata.file_metadata().schema();
     let projection = projection(table, schema).map_err(fault)?;
     let has_episodes = schema.get_fields().iter().any(|field| field.name() == EPISODE);
-    bound(&file, table)?.map_err(unreadable)?;
+    bound(&file, table)?;
     let mut found = Vec::new();
     let mut episodes = BTreeSet::new();
     for row in file.get_row_iter(Some(projection)).map_err(unreadable)? {
@@ -187,38 +179,40 @@ fn rows(table: &Table, bytes: Vec<u8>) -> Result<Vec<Row>, Error> {
     Ok(found)
 }
 
-/// Checks how many rows and values are read before any is: a few bytes can stand for billions. The
-/// inner error is one of the file.
-fn bound(
-    file: &SerializedFileReader<Bytes>,
-    table: &Table,
-) -> Result<Result<(), ParquetError>, Error> {
+impl Table {
+    /// `true` if a column is read.
+    fn reads(&self, column: &str) -> bool {
+        [EPISODE, TIME, &self.column].contains(&column)
+    }
+
+    /// The error of a file that the library does not read.
+    fn unreadable(&self, fault: &str) -> Error {
+        let fault = format!("it cannot be read as Parquet: {fault}");
+        Error::Document { at: self.file.clone(), fault }
+    }
+}
+
+/// Checks how many rows and values are read before any is: a few bytes can stand for billions.
+fn bound(file: &SerializedFileReader<Bytes>, table: &Table) -> Result<(), Error> {
+    let unreadable = |e: ParquetError| table.unreadable(&e.to_string());
     let rows = file.metadata().row_groups().iter().map(|group| group.num_rows());
     let rows =
         rows.fold(0_usize, |sum, n| sum.saturating_add(usize::try_from(n).unwrap_or(usize::MAX)));
     at_most("rows of a dataset", rows, MAX_ROWS)?;
-    let columns = file.metadata().file_metadata().schema_descr().columns().iter().enumerate();
-    let is_read = |name: &String| [EPISODE, TIME, table.column.as_str()].contains(&name.as_str());
-    let read: Vec<usize> = columns
-        .filter(|(_, column)| column.path().parts().first().is_some_and(is_read))
-        .map(|(index, _)| index)
-        .collect();
-    for index in read {
+    let columns = file.metadata().file_metadata().schema_descr().columns();
+    for (index, column) in columns.iter().enumerate() {
+        if !column.path().parts().first().is_some_and(|name| table.reads(name)) {
+            continue;
+        }
         let mut values = 0_usize;
         for group in 0..file.num_row_groups() {
-            let group = file.get_row_group(group);
-            let pages = match group.and_then(|group| group.get_column_page_reader(index)) {
-                Ok(pages) => pages,
-                Err(fault) => return Ok(Err(fault)),
-            };
-            match levels(pages) {
-                Ok(levels) => values = values.saturating_add(levels),
-                Err(fault) => return Ok(Err(fault)),
-            }
+            let group = file.get_row_group(group).map_err(unreadable)?;
+            let pages = group.get_column_page_reader(index).map_err(unreadable)?;
+            values = values.saturating_add(levels(pages).map_err(unreadable)?);
             at_most("values of a column", values, MAX_VALUES)?;
         }
     }
-    Ok(Ok(()))
+    Ok(())
 }
 
 /// Number of values in pages, by their heads.
@@ -238,8 +232,7 @@ fn projection(table: &Table, schema: &Type) -> Result<Type, String> {
         let names: Vec<&str> = fields.iter().take(40).map(|field| field.name()).collect();
         return Err(format!("it has no column `{}`; it has {}", table.column, names.join(", ")));
     }
-    let is_read = |field: &&TypePtr| [EPISODE, TIME, &table.column].contains(&field.name());
-    let fields = fields.iter().filter(is_read).cloned().collect();
+    let fields = fields.iter().filter(|field| table.reads(field.name())).cloned().collect();
     let projection = Type::group_type_builder(schema.name()).with_fields(fields).build();
     projection.map_err(|e| format!("its columns cannot be chosen: {e}"))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::messages;
-use crate::raw::clock::samples::{REACH_NS, around};
+use crate::raw::clock::samples::nearby;
 
 /// Time between two samples of a joint that are kept [ns]: controllers report a thousand a second.
 const SPACING_NS: i64 = 4_000_000;
@@ -81,11 +81,8 @@ impl Joints {
 
 /// Position at a time, from samples in the order of time; NaN if it is unknown.
 pub(super) fn position(samples: &[Sample], ns: i64) -> f64 {
-    match around(samples, |sample| sample.ns, ns) {
-        Some(found) if found.off_ns <= REACH_NS => {
-            let [a, b] = [found.before, found.after].map(|i| samples[i].position);
-            a + found.share * (b - a)
-        }
-        _ => f64::NAN,
-    }
+    nearby(samples, |sample| sample.ns, ns).map_or(f64::NAN, |found| {
+        let [a, b] = [found.before, found.after].map(|i| samples[i].position);
+        a + found.share * (b - a)
+    })
 }

@@ -25,23 +25,21 @@ use crate::{
     Error, Limits, Sources,
     files::Files,
     frame::Frame,
-    raw::{Camera, MeshFile, Recording, clock, decode::Size, gripper, validity},
+    raw::{
+        Camera, MeshFile, Recording,
+        clock::{self, samples::around},
+        decode::Size,
+        gripper, validity,
+    },
 };
 
-/// What lies beside a recording's files.
-#[derive(Default)]
-pub(super) struct Beside<'b, 'f> {
-    /// The document of grippers.
-    pub(super) grippers: Option<Vec<u8>>,
-    pub(super) files: Option<&'b mut Files<'f>>,
-}
-
-/// Makes a recording of what files hold; `sources` has what was left out before.
+/// Makes a recording of what files hold; `beside` are the files in their folder or archive, and
+/// `sources` has what was left out before.
 pub(super) fn recording(
     name: &str,
     mut store: Store,
     mut index: Index,
-    beside: Beside<'_, '_>,
+    mut beside: Option<&mut Files<'_>>,
     mut sources: Sources,
     limits: &Limits,
 ) -> Result<Recording, Error> {
@@ -145,13 +143,17 @@ pub(super) fn recording(
         sources.take("mesh", None, mesh, "");
     }
     drop(chosen);
-    let frame_count = aligned.frame_count;
+    let frame_count = aligned.times_s.len();
     let attached = index.grippers.take();
-    if beside.grippers.is_some() && attached.is_some() {
+    let document = match &mut beside {
+        Some(files) => files.find_document(gripper::DOCUMENT)?,
+        None => None,
+    };
+    if document.is_some() && attached.is_some() {
         let from = format!("the attachment {}", gripper::DOCUMENT);
         sources.leave_out(from, "a file of this name lies beside the recording");
     }
-    let grippers = match beside.grippers.or(attached) {
+    let grippers = match document.or(attached) {
         None => Vec::new(),
         Some(document) => {
             let ns = |seconds: &f64| start.saturating_add((seconds * 1e9).round() as i64);
@@ -159,7 +161,7 @@ pub(super) fn recording(
             let robot = Robot { index: &index, world: &world, times_ns: &times_ns };
             let setting =
                 gripper::Setting { times_s: &aligned.times_s, frame: &frame, motion: Some(&robot) };
-            gripper::read(&document, beside.files, &setting, &mut sources)?
+            gripper::read(&document, beside, &setting, &mut sources)?
         }
     };
     let train = (frame_count as f64 * 0.7).round() as usize;
@@ -268,12 +270,8 @@ fn world(
 /// The images of a topic nearest in time to each frame's colour.
 fn stream(topic: &Topic, taken: &[Option<&Stamped>], reach_ns: i64) -> Stream {
     let nearest = |image: &Option<&Stamped>| {
-        let ns = (*image)?.ns;
-        let after = topic.images.partition_point(|i| i.ns < ns);
-        let around = [after.checked_sub(1), Some(after)];
-        let around = around.into_iter().flatten().filter_map(|i| topic.images.get(i));
-        let off = |i: &Stamped| i.ns.saturating_sub(ns).saturating_abs();
-        around.min_by_key(|i| off(i)).filter(|i| off(i) <= reach_ns).map(|i| i.place)
+        let found = around(&topic.images, |i| i.ns, (*image)?.ns)?;
+        (found.off_ns <= reach_ns).then(|| topic.images[found.nearest()].place)
     };
     Stream {
         topic: topic.name.clone(),

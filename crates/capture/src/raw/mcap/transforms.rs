@@ -11,7 +11,7 @@ use crate::{
     files::at_most,
     raw::{
         Pose,
-        clock::samples::{REACH_NS, around},
+        clock::samples::{around, nearby},
     },
 };
 
@@ -97,19 +97,25 @@ impl Tree {
 
     /// Pose of a frame in one above it at a time.
     pub(super) fn pose(&self, frame: &str, world: &str, ns: i64) -> Pose {
-        let mut pose = Pose::IDENTITY;
-        for edge in self.between(frame, world) {
-            pose = edge.at(ns).after(&pose);
-        }
-        pose
+        along(self.between(frame, world), ns)
     }
 
-    /// Pose of a frame in another in the same tree, at any place of it; `None` where it is unknown at
-    /// that time. `shared` is a frame above both.
-    pub(super) fn relative(&self, frame: &str, to: &str, shared: &str, ns: i64) -> Option<Pose> {
-        let mut ways = self.between(frame, shared).chain(self.between(to, shared));
-        ways.all(|edge| edge.is_known(ns))
-            .then(|| self.pose(to, shared, ns).inverse().after(&self.pose(frame, shared, ns)))
+    /// Pose of a frame in another in the same tree, at any place of it, at some times [ns]; `None` where
+    /// it is unknown. `shared` is a frame above both.
+    pub(super) fn relative(
+        &self,
+        frame: &str,
+        to: &str,
+        shared: &str,
+        times_ns: &[i64],
+    ) -> Vec<Option<Pose>> {
+        let [from, to]: [Vec<&Edge>; 2] = [frame, to].map(|f| self.between(f, shared).collect());
+        let pose = |&ns: &i64| {
+            let is_known = from.iter().chain(&to).all(|edge| edge.is_known(ns));
+            let placed = |way: &[&Edge]| along(way.iter().copied(), ns);
+            is_known.then(|| placed(&to).inverse().after(&placed(&from)))
+        };
+        times_ns.iter().map(pose).collect()
     }
 
     /// The frame nearest to two that is above both, or one of them.
@@ -139,6 +145,11 @@ impl Tree {
     }
 }
 
+/// Pose of the frame where a way up begins in that where it ends, at a time.
+fn along<'a>(way: impl Iterator<Item = &'a Edge>, ns: i64) -> Pose {
+    way.fold(Pose::IDENTITY, |pose, edge| edge.at(ns).after(&pose))
+}
+
 impl Transform {
     fn is_as(&self, other: &Self) -> bool {
         (self.translation, self.rotation) == (other.translation, other.rotation)
@@ -152,10 +163,9 @@ impl Edge {
 
     /// `true` if its pose is known at a time: it is fixed, has a single sample, or one nearby.
     fn is_known(&self, ns: i64) -> bool {
-        let found = around(&self.samples, |sample| sample.stamp_ns, ns);
         self.fixed.is_some()
             || self.samples.len() == 1
-            || found.is_some_and(|found| found.off_ns <= REACH_NS)
+            || nearby(&self.samples, |sample| sample.stamp_ns, ns).is_some()
     }
 
     /// Between the samples before and after, at the ends as the nearest one.

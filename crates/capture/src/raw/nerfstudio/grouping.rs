@@ -153,7 +153,7 @@ fn by_time<'a>(
     });
     Ok(Groups {
         fps: aligned.fps / seconds,
-        frame_count: aligned.frame_count,
+        frame_count: aligned.times_s.len(),
         cameras: cameras.collect(),
         timed,
     })

@@ -68,8 +68,7 @@ impl Motion for Robot<'_> {
                 listed(others.cloned().collect())
             ));
         };
-        let pose = |ns: &i64| tree.relative(frame, self.world, shared, *ns);
-        Ok(self.times_ns.iter().map(pose).collect())
+        Ok(tree.relative(frame, self.world, shared, self.times_ns))
     }
 
     fn joints(&self, names: &[String], topic: Option<&str>) -> Result<Vec<f64>, String> {

@@ -69,7 +69,7 @@ fn expect_moves(recording: &Recording) {
 fn frames_and_joints_become_grippers() {
     let messages = [healthy(), robot(0)].concat();
     expect_moves(&beside(&messages, RIGHT).unwrap());
-    // As an attachment, in a folder and alone.
+    // The document attached to the file, in a folder and alone.
     let whole = with_extras(&messages, &[], &[("grippers.json", &document(RIGHT))]);
     let map: FileMap = [("a.mcap".to_owned(), whole)].into_iter().collect();
     expect_moves(&opened(&map).unwrap());
