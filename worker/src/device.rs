@@ -6,6 +6,7 @@
 //! one queue one thread does everything, slice by slice. Either way the slices of a queue take
 //! [`turns`].
 
+mod accounts;
 mod alternation;
 mod blame;
 mod queue;
@@ -26,9 +27,11 @@ use bendtwin_engine::{
 };
 use tokio::sync::mpsc;
 
+pub(crate) use self::accounts::Account;
 pub(crate) use self::queue::Priority;
 pub(crate) use self::queued::QueuedBackend;
 use self::{
+    accounts::Accounts,
     alternation::Alternation,
     blame::Blame,
     queue::{BrokenDevice, Queue},
@@ -57,6 +60,7 @@ pub(crate) struct Device {
     description: Description,
     /// Pauses of fits and rollouts, if rollouts have a separate thread.
     alternation: Option<Alternation>,
+    accounts: Arc<Accounts>,
     blame: Blame,
 }
 
@@ -85,7 +89,8 @@ impl Device {
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        Ok(Self { threads, description, alternation, blame: Blame::default() })
+        let (accounts, blame) = (Arc::default(), Blame::default());
+        Ok(Self { threads, description, alternation, accounts, blame })
     }
 
     /// Description of the backend's hardware.
@@ -112,7 +117,17 @@ impl Device {
 
     /// A backend whose calls run on the device with this priority.
     pub(crate) fn backend(&self, priority: Priority) -> QueuedBackend {
-        QueuedBackend::new(self.clone(), priority)
+        QueuedBackend::new(self.clone(), Flow::new(priority))
+    }
+
+    /// A backend for a request, whose calls take the turns of an account; without one they have
+    /// turns of their own.
+    pub(crate) fn backend_for(&self, account: Option<&Account>) -> QueuedBackend {
+        let flow = match account {
+            Some(account) => Flow::of(Priority::Interactive, self.accounts.standing(account)),
+            None => Flow::new(Priority::Interactive),
+        };
+        QueuedBackend::new(self.clone(), flow)
     }
 
     /// Sets how memory is freed on a shortage. `reclaim` frees about the given number of bytes, or

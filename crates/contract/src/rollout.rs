@@ -22,6 +22,9 @@ mod twin;
 /// Metadata of a call from the server to a worker: the length of its message, for which the worker
 /// takes memory before it reads it.
 pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
+/// Metadata of a call from the server to a worker: a name that stands for the owner of the request.
+/// Accounts take turns at the device, however many requests each has under way.
+pub const ACCOUNT: &str = "bendtwin-account";
 
 pub use self::{
     check::{Batch, SessionParts, check, check_for, check_in, fidelity, too_much_memory},

@@ -4,7 +4,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_contract::rollout::REQUEST_BYTES;
+use bendtwin_contract::rollout::{ACCOUNT, REQUEST_BYTES};
 use bendtwin_proto::{fault, worker::v1::worker_rollouts_client::WorkerRolloutsClient};
 use prost::Message;
 use tokio::time::Instant;
@@ -41,6 +41,11 @@ where
     let mut request = Request::new(message);
     request.metadata_mut().insert(REQUEST_BYTES, length.into());
     request.metadata_mut().insert("authorization", token);
+    // A hash, because names of owners are free text.
+    let account = blake3::hash(Context::current().caller.owner.as_bytes()).to_hex();
+    if let Ok(account) = account[..16].parse() {
+        request.metadata_mut().insert(ACCOUNT, account);
+    }
     if let Some(parent) = Context::current().trace_parent().and_then(|p| p.parse().ok()) {
         request.metadata_mut().insert(bendtwin_telemetry::HEADER, parent);
     }

@@ -30,7 +30,7 @@ impl Dispatch {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let known = self.twins.get(&self.store, twin).await?;
         let work = registration::evaluation_work(&known.shape) as f64;
-        let ask = Ask { client: Context::current().client, work };
+        let ask = Ask::of_caller(work);
         let execute = ExecuteEvaluateTwinRequest {
             request: Some(request),
             request_id: Context::current().request_id,

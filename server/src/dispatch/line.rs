@@ -1,7 +1,7 @@
 //! The line of rollouts in front of a worker. A rollout is small, medium or large by the time that
 //! the worker should need for it. Slots are kept for small ones, few large ones are under way at a
-//! time, and within a size the clients take turns: a small rollout never waits for a large one, and
-//! no client's rollout for all of another client's.
+//! time, and within a size the owners take turns, and the clients of each: a small rollout never
+//! waits for a large one, and no owner's rollout for all of another owner's.
 
 mod order;
 mod rate;
@@ -14,6 +14,8 @@ use std::{
 };
 
 use tokio::sync::oneshot;
+
+use crate::context::Context;
 
 pub(crate) use self::size::Size;
 use self::{order::Order, rate::Rate};
@@ -30,10 +32,20 @@ const MOST_PASSED: u64 = 4;
 /// A rollout, as the line sees it.
 #[derive(Clone, Debug)]
 pub(super) struct Ask {
+    /// The owner of the key that it was sent with.
+    pub(super) owner: Arc<str>,
     /// The client that sent it.
     pub(super) client: Arc<str>,
     /// Work of the rollout, in element substeps.
     pub(super) work: f64,
+}
+
+impl Ask {
+    /// A rollout of the caller of the current request.
+    pub(super) fn of_caller(work: f64) -> Self {
+        let Context { client, caller, .. } = Context::current();
+        Self { owner: caller.owner, client, work }
+    }
 }
 
 /// A line that has no place left.
@@ -61,8 +73,9 @@ struct State {
     last_start: [u64; 3],
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct ActiveRollout {
+    owner: Arc<str>,
     size: Size,
     work: f64,
 }
@@ -123,13 +136,14 @@ impl Line {
     pub(super) fn join(&self, ask: &Ask) -> Result<Place, Full> {
         let mut state = self.lock();
         let size = state.size(ask);
-        if !state.has_room(size, &ask.client) {
+        if !state.has_room(size, ask) {
             return Err(Full { retry_after: state.retry_after(size) });
         }
         let id = state.next_id;
         state.next_id += 1;
         let (wake, turn) = oneshot::channel();
-        state.waiting[size as usize].push(&ask.client, order::Waiting { id, work: ask.work, wake });
+        let waiting = order::Waiting { id, work: ask.work, wake };
+        state.waiting[size as usize].push(&ask.owner, &ask.client, waiting);
         state.advance();
         Ok(Place { line: self.clone(), id, work: ask.work, turn: Some(turn) })
     }
@@ -137,7 +151,7 @@ impl Line {
     /// True if a rollout can join.
     pub(super) fn has_room(&self, ask: &Ask) -> bool {
         let state = self.lock();
-        state.has_room(state.size(ask), &ask.client)
+        state.has_room(state.size(ask), ask)
     }
 
     /// Time after which another attempt makes sense, for a rollout that has no place now.
@@ -188,23 +202,28 @@ impl State {
         self.running.values().filter(|r| r.size == size).count()
     }
 
-    /// True if a slot is free that this size may take.
-    fn has_slot(&self, size: Size) -> bool {
+    /// True if a slot is free that this size of an owner may take.
+    fn has_slot(&self, size: Size, owner: &str) -> bool {
         let under_way = Size::ALL.map(|s| self.running_of(s));
-        self.bounds.has_slot(size, under_way)
+        let own = |s| self.running.values().filter(|r| r.size == s && *r.owner == *owner).count();
+        self.bounds.has_slot(size, under_way, Size::ALL.map(own))
     }
 
-    fn has_room(&self, size: Size, client: &str) -> bool {
+    fn has_room(&self, size: Size, ask: &Ask) -> bool {
         let waiting = Size::ALL.map(|s| self.waiting[s as usize].len());
-        let own = self.waiting[size as usize].of_client(client);
-        self.has_slot(size) || self.bounds.has_place(size, waiting, own)
+        let line = &self.waiting[size as usize];
+        let own = (line.of_owner(&ask.owner), line.of_client(&ask.owner, &ask.client));
+        self.has_slot(size, &ask.owner) || self.bounds.has_place(size, waiting, own)
     }
 
     /// Starts what may start.
     fn advance(&mut self) {
         while let Some(size) = self.next_size() {
-            let Some(next) = self.waiting[size as usize].pop() else { return };
-            self.running.insert(next.id, ActiveRollout { size, work: next.work });
+            let mut line = std::mem::take(&mut self.waiting[size as usize]);
+            let next = line.pop(|owner| self.has_slot(size, owner));
+            self.waiting[size as usize] = line;
+            let Some((owner, next)) = next else { return };
+            self.running.insert(next.id, ActiveRollout { owner, size, work: next.work });
             self.starts += 1;
             self.last_start[size as usize] = self.starts;
             // A caller that has gone gives the place back.
@@ -214,8 +233,9 @@ impl State {
 
     /// The size whose turn it is: small ones first, but one slot at least goes to each larger size.
     fn next_size(&self) -> Option<Size> {
-        let may_start =
-            |size: &Size| !self.waiting[*size as usize].is_empty() && self.has_slot(*size);
+        let may_start = |size: &Size| {
+            self.waiting[*size as usize].has_ready(|owner| self.has_slot(*size, owner))
+        };
         let passed_over = |size: &Size| {
             *size != Size::Small
                 && self.running_of(*size) == 0

@@ -51,7 +51,7 @@ impl Dispatch {
             self.fits_lists(reply_bytes)?;
         }
         let work = registration::registration_work(&request, &known.shape) as f64;
-        let ask = Ask { client: Context::current().client, work };
+        let ask = Ask::of_caller(work);
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
         let execute = ExecuteRegisterStateRequest {

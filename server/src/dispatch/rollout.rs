@@ -187,7 +187,7 @@ impl Dispatch {
             self.fits_lists(reply_bytes)?;
         }
         let work = rollout::work(&request, &batch, &twin.shape) as f64 * passes(&request, &batch);
-        let ask = Ask { client: Context::current().client, work };
+        let ask = Ask::of_caller(work);
         let limit = request.time_limit_s.and_then(|s| Duration::try_from_secs_f64(s).ok());
         let limit = limit.map(|time| arrived + time);
         let execute = ExecuteRollOutRequest {

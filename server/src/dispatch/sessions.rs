@@ -153,7 +153,7 @@ impl Dispatch {
         let twin: TwinId = open.twin.parse().map_err(Error::Name)?;
         let known = self.twins.get(&self.store, twin).await?;
         rollout::check_session(&open, &known.shape, &self.limits.rollout)?;
-        let ask = Ask { client: Context::current().client, work: 0.0 };
+        let ask = Ask::of_caller(0.0);
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
         let parts = SessionParts {
             colliders: open.world.as_ref().map_or(0, |world| world.colliders.len() as u32),

@@ -20,7 +20,7 @@ use bendtwin_engine::{
 use bendtwin_rollout::{RolloutBackend, cut::next_run};
 
 use self::optimizer::QueuedOptimizer;
-use super::{Device, Priority, turns::Flow};
+use super::{Device, turns::Flow};
 
 /// Direction of a pass through the frames: a gradient costs several times a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,9 +50,9 @@ struct Shared {
 }
 
 impl QueuedBackend {
-    pub(super) fn new(device: Device, priority: Priority) -> Self {
+    pub(super) fn new(device: Device, flow: Arc<Flow>) -> Self {
         let (forward, backward) = (Mutex::default(), Mutex::default());
-        Self(Arc::new(Shared { device, flow: Flow::new(priority), forward, backward }))
+        Self(Arc::new(Shared { device, flow, forward, backward }))
     }
 
     /// Results, none of what is not done by the time of the token.

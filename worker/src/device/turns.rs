@@ -1,11 +1,12 @@
-//! Turns at a device. Two rules decide which slice is next:
+//! Turns at a device. Three rules decide which slice is next:
 //!
 //! - Fits have a least share of the time of a device with one queue while rollouts want all of it.
 //!   Time that they are short of it is owed to them; otherwise rollouts go first. With two queues
 //!   [`alternation`](super::alternation) sees to that.
-//! - Requests of one priority get equal parts of its time, regardless of their sizes: next is the
-//!   one that was served least. For its first slice a request goes ahead of those already served,
-//!   so a small one runs between two slices of large ones.
+//! - Accounts of one priority get equal parts of its time, regardless of the number and the sizes of
+//!   their requests: next is the one that was served least. For its first slice an account goes
+//!   ahead of those already served, so a small request runs between two slices of large ones.
+//! - Requests of one account share its part in the same way.
 //!
 //! Turns decide when a slice runs, never what is in it: results do not depend on them.
 
@@ -30,14 +31,47 @@ const MOST_AHEAD_S: f64 = 1.0;
 #[derive(Debug)]
 pub(super) struct Flow {
     pub(super) priority: Priority,
-    /// Device time that it was served, from a start that is common to all flows.
+    /// Account with whose other flows it shares its turns.
+    account: Arc<Standing>,
     clock: Mutex<Clock>,
 }
 
+/// The turns of an account: those of all its flows together.
+#[derive(Debug, Default)]
+pub(super) struct Standing {
+    clock: Mutex<Clock>,
+    /// Mean clock of its flows.
+    mean: Mutex<Mean>,
+}
+
+/// Device time that was served, from a start that is common to all rivals.
 #[derive(Clone, Copy, Debug, Default)]
 struct Clock {
     at: Duration,
     served: Duration,
+}
+
+/// Mean clock of rivals, at which a new one starts.
+#[derive(Clone, Copy, Debug)]
+struct Mean(Duration);
+
+impl Default for Mean {
+    fn default() -> Self {
+        Self(HEAD_START)
+    }
+}
+
+impl Mean {
+    /// The clock of one that joins the others.
+    fn joined(self, clock: Clock) -> Clock {
+        let behind = if clock.served.is_zero() { Duration::ZERO } else { MOST_BEHIND };
+        Clock { at: clock.at.max(self.0.saturating_sub(behind)), ..clock }
+    }
+
+    /// Advances by the time that one of some rivals was served.
+    fn advance(&mut self, took: Duration, rivals: usize) {
+        self.0 = self.0.saturating_add(took / u32::try_from(rivals.max(1)).unwrap_or(u32::MAX));
+    }
 }
 
 impl Clock {
@@ -46,28 +80,44 @@ impl Clock {
         let is_new = self.served < HEAD_START;
         self.at.saturating_sub(if is_new { HEAD_START } else { Duration::ZERO })
     }
+
+    fn advanced(self, took: Duration) -> Self {
+        Self { at: self.at.saturating_add(took), served: self.served.saturating_add(took) }
+    }
 }
 
 impl Flow {
+    /// A flow with turns of an account that nothing else has.
     pub(super) fn new(priority: Priority) -> Arc<Self> {
-        Arc::new(Self { priority, clock: Mutex::default() })
+        Self::of(priority, Arc::default())
     }
 
-    fn clock(&self) -> Clock {
-        *self.clock.lock().unwrap_or_else(PoisonError::into_inner)
+    /// A flow that shares the turns of an account.
+    pub(super) fn of(priority: Priority, account: Arc<Standing>) -> Arc<Self> {
+        Arc::new(Self { priority, account, clock: Mutex::default() })
     }
 
-    fn set(&self, clock: Clock) {
-        *self.clock.lock().unwrap_or_else(PoisonError::into_inner) = clock;
+    /// The order of turns, least first: that of the account, then that among its flows.
+    fn rank(&self) -> (Duration, Duration) {
+        (get(&self.account.clock).rank(), get(&self.clock).rank())
     }
+}
+
+fn get<T: Copy>(value: &Mutex<T>) -> T {
+    *value.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn change<T: Copy>(value: &Mutex<T>, to: impl FnOnce(T) -> T) {
+    let mut value = value.lock().unwrap_or_else(PoisonError::into_inner);
+    *value = to(*value);
 }
 
 /// Work that waits for its turn.
 pub(super) struct Turns<T> {
     /// In order of arrival.
     waiting: Vec<(Arc<Flow>, T)>,
-    /// Mean clock of the flows of each priority.
-    means: [Duration; 2],
+    /// Mean clock of the accounts of each priority.
+    means: [Mean; 2],
     fit_share: f64,
     /// Device time that fits are short of their share [s]; negative if they are ahead.
     owed_s: f64,
@@ -80,7 +130,7 @@ impl<T> Turns<T> {
     pub(super) fn new(fit_share: f64) -> Self {
         Self {
             waiting: Vec::new(),
-            means: [HEAD_START; 2],
+            means: [Mean::default(); 2],
             fit_share,
             owed_s: 0.0,
             rollouts_waited: false,
@@ -89,10 +139,8 @@ impl<T> Turns<T> {
 
     /// Adds work of a flow.
     pub(super) fn push(&mut self, flow: &Arc<Flow>, work: T) {
-        let clock = flow.clock();
-        let behind = if clock.served.is_zero() { Duration::ZERO } else { MOST_BEHIND };
-        let least = self.means[flow.priority as usize].saturating_sub(behind);
-        flow.set(Clock { at: clock.at.max(least), ..clock });
+        change(&flow.account.clock, |clock| self.means[flow.priority as usize].joined(clock));
+        change(&flow.clock, |clock| get(&flow.account.mean).joined(clock));
         self.waiting.push((Arc::clone(flow), work));
     }
 
@@ -109,26 +157,24 @@ impl<T> Turns<T> {
         let candidates = self.waiting.iter().enumerate();
         let own = candidates.filter(|(_, (f, _))| f.priority == turn);
         // The first of equals: work of one flow keeps its order.
-        let (index, _) = own.min_by_key(|(_, (flow, _))| flow.clock().rank())?;
+        let (index, _) = own.min_by_key(|(_, (flow, _))| flow.rank())?;
         self.rollouts_waited = rollouts_wait;
         Some(self.waiting.remove(index))
     }
 
     /// Notes the device time that work of a flow took.
     pub(super) fn served(&mut self, flow: &Arc<Flow>, took: Duration) {
-        let Clock { at, served } = flow.clock();
-        flow.set(Clock { at: at.saturating_add(took), served: served.saturating_add(took) });
-        let mut rivals: Vec<*const Flow> = self
-            .waiting
-            .iter()
-            .filter(|(f, _)| f.priority == flow.priority && !Arc::ptr_eq(f, flow))
-            .map(|(f, _)| Arc::as_ptr(f))
-            .collect();
-        rivals.sort_unstable();
-        rivals.dedup();
-        let sharers = u32::try_from(rivals.len() + 1).unwrap_or(u32::MAX);
-        let mean = &mut self.means[flow.priority as usize];
-        *mean = mean.saturating_add(took / sharers);
+        change(&flow.account.clock, |clock| clock.advanced(took));
+        change(&flow.clock, |clock| clock.advanced(took));
+        let rivals = || self.waiting.iter().map(|(f, _)| f).filter(|f| f.priority == flow.priority);
+        let accounts = distinct(rivals().chain([flow]).map(|f| Arc::as_ptr(&f.account)));
+        let own = rivals().filter(|f| Arc::ptr_eq(&f.account, &flow.account));
+        let flows = distinct(own.chain([flow]).map(Arc::as_ptr));
+        change(&flow.account.mean, |mut mean| {
+            mean.advance(took, flows);
+            mean
+        });
+        self.means[flow.priority as usize].advance(took, accounts);
         self.settle(flow.priority, took.as_secs_f64());
     }
 
@@ -155,6 +201,14 @@ impl<T> Turns<T> {
     pub(super) fn drain(&mut self) -> Vec<(Arc<Flow>, T)> {
         std::mem::take(&mut self.waiting)
     }
+}
+
+/// Number of different pointers.
+fn distinct<T>(pointers: impl Iterator<Item = *const T>) -> usize {
+    let mut pointers: Vec<_> = pointers.collect();
+    pointers.sort_unstable();
+    pointers.dedup();
+    pointers.len()
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ use super::{
     error::Error,
     service::{Inner, Unary},
 };
-use crate::device::Priority;
 
 impl Inner {
     /// Answers an evaluation.
@@ -26,7 +25,7 @@ impl Inner {
         let warm = self.twins.get(twin).await?;
         let (recording, share) = self.replays.recording(capture).await?;
         let sequence = request.motion.map(|motion| motion.sequence);
-        let backend = self.device.backend(Priority::Interactive);
+        let backend = call.backend(&self.device);
         let evaluated = call.blocking(move |cancel| {
             let _share = share;
             Ok(evaluate_twin(&warm, &recording, sequence, &backend, cancel)?)

@@ -11,7 +11,7 @@ use super::{
     error::Error,
     service::{Inner, Unary},
 };
-use crate::{budget, device::Priority};
+use crate::budget;
 
 impl Inner {
     /// Answers a registration.
@@ -27,13 +27,13 @@ impl Inner {
         registration::check_registration(&request, &shape, &self.limits())?;
         // A preceding simulation takes its memory first.
         let begun = registration::begun(&request);
-        let starts = self.first_states(&warm, &begun, &capture, call.cancel()).await?;
+        let starts = self.first_states(&warm, &begun, &capture, call).await?;
         let start = starts.into_iter().next();
         let start = start.ok_or_else(|| Error::field("initial", "has no state"))?;
         let bytes = registration::memory_bytes(request.observation.as_ref(), &shape);
         let purpose = "the registration: send fewer points";
         let share = budget::take(&self.memory.rollouts, bytes, purpose).await?;
-        let backend = self.device.backend(Priority::Interactive);
+        let backend = call.backend(&self.device);
         call.blocking(move |cancel| {
             let _share = share;
             Ok(register_state(&warm, start, request, &backend, cancel)?)

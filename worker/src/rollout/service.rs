@@ -37,6 +37,7 @@ use tonic::{
     Request, Response, Status,
     body::Body,
     codegen::{BoxFuture, Service, http},
+    metadata::MetadataMap,
     server::NamedService,
     service::interceptor::InterceptedService,
     transport::{Server, server::Connected},
@@ -52,7 +53,7 @@ use super::{
 };
 use crate::{
     budget::{self, Memory},
-    device::Device,
+    device::{Account, Device},
 };
 
 /// Answers rollouts.
@@ -116,7 +117,8 @@ impl Rollouts {
     /// A call with one reply.
     fn unary<T>(&self, request: &mut Request<T>) -> Result<Unary, Status> {
         let held = request.extensions_mut().remove::<RequestHold>().unwrap_or_default();
-        Ok(Unary { held, slot: Arc::new(self.slot()?), cancel: CancelToken::default() })
+        let account = account(request.metadata());
+        Ok(Unary { held, account, slot: Arc::new(self.slot()?), cancel: CancelToken::default() })
     }
 
     pub(super) fn inner(&self) -> &Inner {
@@ -219,6 +221,11 @@ fn declared_length(request: &http::Request<Body>) -> Option<usize> {
     request.headers().get(rollout::REQUEST_BYTES)?.to_str().ok()?.parse().ok()
 }
 
+/// The account of a call; none from a server that names no accounts.
+fn account(metadata: &MetadataMap) -> Option<Account> {
+    metadata.get(rollout::ACCOUNT)?.to_str().ok().map(Account::new)
+}
+
 /// Memory of a call, held until its work has ended and its reply has been sent.
 #[derive(Clone, Default)]
 struct RequestHold {
@@ -251,7 +258,9 @@ impl WorkerRollouts for Rollouts {
         let held = request.extensions_mut().remove::<RequestHold>().unwrap_or_default();
         let slot = self.slot()?;
         let deadline = timeout(request.metadata()).map(|t| arrived + t);
-        let (call, parts) = RollOutCall::new(Arc::clone(&self.0), slot, arrived, held);
+        let account = account(request.metadata());
+        let inner = Arc::clone(&self.0);
+        let (call, parts) = RollOutCall::new(inner, slot, arrived, held, account.as_ref());
         tokio::spawn(call.serve(request.into_inner(), deadline).in_current_span());
         Ok(Response::new(parts))
     }

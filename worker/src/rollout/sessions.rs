@@ -23,10 +23,7 @@ use super::{
     error::Error,
     service::{Inner, Unary},
 };
-use crate::{
-    budget,
-    device::{Priority, QueuedBackend},
-};
+use crate::{budget, device::QueuedBackend};
 
 /// States of a slot: its first one and the present one, and one that an advance makes.
 const STATES: u64 = 3;
@@ -42,7 +39,7 @@ impl Inner {
     ) -> Result<(ManageSessionResponse, Option<Share>), Error> {
         let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
         let session = match call {
-            Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
+            Call::Open(open) => self.open(open, request.capture, under_way).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
             Call::States(states) => {
                 let (states, share) = self.states(&states).await?;
@@ -72,7 +69,7 @@ impl Inner {
                             ..session.setup.as_request()
                         };
                         let capture = session.setup.capture.clone();
-                        Some(self.first_states(&warm, &open, &capture, under_way.cancel()).await?)
+                        Some(self.first_states(&warm, &open, &capture, under_way).await?)
                     }
                 };
                 let _turn = session.begin_advance().await;
@@ -116,12 +113,12 @@ impl Inner {
         self: &Arc<Self>,
         open: OpenSessionRequest,
         capture: String,
-        cancel: &CancelToken,
+        under_way: &Unary,
     ) -> Result<Arc<Session>, Error> {
         let twin = Error::parsed("twin", &open.twin)?;
         let idle = idle(open.idle_timeout_s)?;
         let warm = self.twins.get(twin).await?;
-        let first = self.first_states(&warm, &open, &capture, cancel).await?;
+        let first = self.first_states(&warm, &open, &capture, under_way).await?;
         let bytes = first.iter().map(Start::bytes).sum::<u64>().saturating_mul(STATES);
         let share = budget::take(
             &self.memory.sessions,
@@ -157,12 +154,12 @@ impl Inner {
         warm: &Arc<Warm>,
         open: &OpenSessionRequest,
         capture: &str,
-        cancel: &CancelToken,
+        under_way: &Unary,
     ) -> Result<Vec<Start>, Error> {
         let limits = self.limits();
         rollout::check_session(open, &shape(warm.twin(), !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
-        let backend = Arc::new(self.device.backend(Priority::Interactive));
+        let (backend, cancel) = (Arc::new(under_way.backend(&self.device)), under_way.cancel());
         let (initial, world) = (open.initial.as_ref(), open.world.as_ref());
         let simulated = self.simulated(warm, initial, world, capture, &backend, cancel).await?;
         let wanted = Wanted::read(open.initial.clone(), &warm.twin().graph, slots)?;

@@ -1,8 +1,9 @@
 use super::*;
 
-/// A rollout that takes a worker of the assumed speed this many seconds.
+/// A rollout that takes a worker of the assumed speed this many seconds. Each client has a separate owner, unless its name has one before a slash.
 fn ask(client: &str, seconds: f64) -> Ask {
-    Ask { client: client.into(), work: 4e7 * seconds }
+    let owner = client.split_once('/').map_or(client, |(owner, _)| owner);
+    Ask { owner: owner.into(), client: client.into(), work: 4e7 * seconds }
 }
 
 /// True if it has its slot.
@@ -22,12 +23,13 @@ fn join(line: &Line, client: &str, seconds: f64) -> Place {
 #[test]
 fn slots_are_kept_for_small_ones() {
     let line = Line::new(8, 64);
-    let mut large: Vec<Place> = (0..8).map(|_| join(&line, "greedy", 100.0)).collect();
+    let greedy = |nth: usize| ["one", "two"][nth % 2];
+    let mut large: Vec<Place> = (0..8).map(|n| join(&line, greedy(n), 100.0)).collect();
     assert_eq!(large.iter_mut().map(has_begun).filter(|b| *b).count(), 2);
-    let mut medium: Vec<Place> = (0..8).map(|_| join(&line, "greedy", 5.0)).collect();
+    let mut medium: Vec<Place> = (0..8).map(|n| join(&line, greedy(n), 5.0)).collect();
     assert_eq!(medium.iter_mut().map(has_begun).filter(|b| *b).count(), 3);
     for _ in 0..20 {
-        let mut small: Vec<Place> = (0..3).map(|_| join(&line, "greedy", 0.1)).collect();
+        let mut small: Vec<Place> = (0..3).map(|n| join(&line, greedy(n), 0.1)).collect();
         assert!(small.iter_mut().all(has_begun));
     }
     assert_eq!(line.waiting(), [0, 5, 6]);
@@ -73,6 +75,51 @@ fn clients_take_turns_by_work() {
         under_way = place;
     }
     assert!((work["greedy"] - work["modest"]).abs() <= 0.81, "{work:?}");
+}
+
+#[test]
+fn an_owner_leaves_a_slot_of_each_size_to_others() {
+    for seconds in [0.1, 5.0, 100.0] {
+        let line = Line::new(8, 64);
+        let _many: Vec<Place> =
+            (0..32).map(|n| join(&line, &format!("many/{n}"), seconds)).collect();
+        let mut one = join(&line, "one/1", seconds);
+        assert!(has_begun(&mut one), "{seconds} s");
+    }
+}
+
+#[test]
+fn owners_take_turns_however_many_clients_each_has() {
+    let line = Line::new(1, 400);
+    let mut under_way = join(&line, "many/first", 0.1);
+    assert!(has_begun(&mut under_way));
+    let mut waiting: Vec<(bool, Place)> = Vec::new();
+    for nth in 0..96 {
+        let place = join(&line, &format!("many/{}", nth % 32), 0.1);
+        waiting.push((false, place));
+    }
+    for _ in 0..12 {
+        waiting.push((true, join(&line, "one/1", 0.1)));
+    }
+    let mut of_one = 0;
+    for _ in 0..20 {
+        drop(under_way);
+        let next = waiting.iter_mut().position(|(_, place)| has_begun(place)).unwrap();
+        let (is_of_one, place) = waiting.swap_remove(next);
+        of_one += usize::from(is_of_one);
+        under_way = place;
+    }
+    assert!((9..=11).contains(&of_one), "{of_one} of 20");
+}
+
+#[test]
+fn no_owner_takes_all_places() {
+    let line = Line::new(1, 64);
+    let _under_way = join(&line, "many/0", 0.1);
+    let joined = |nth: usize| line.join(&ask(&format!("many/{nth}"), 0.1)).ok();
+    let many: Vec<Place> = (0..100).filter_map(joined).collect();
+    assert!((48..64).contains(&many.len()), "{}", many.len());
+    assert!(line.join(&ask("one/1", 0.1)).is_ok());
 }
 
 #[test]

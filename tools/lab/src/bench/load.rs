@@ -4,7 +4,10 @@
 
 mod spread;
 
-use std::time::{Duration, Instant};
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context as _, bail};
 use bendtwin_client::{
@@ -35,6 +38,8 @@ A closed loop of one instance and one frame beside a fit, without greedy clients
   cargo lab bench load --clients 0 --small 1x1
 A planner's step:
   cargo lab bench load --clients 0 --small 128x20 --fidelity fast --costs
+A rollout beside 32 connections that send the same ones with another key:
+  cargo lab bench load --no-fit --clients 32 --clients-token-file other.key --large 128x60 --small 128x60
 The gain of several workers over one on a batch, in one run:
   bendtwin server --workers 4 &
   cargo lab bench load --no-fit --clients 0 --spread 1000x30")]
@@ -45,6 +50,9 @@ pub(crate) struct Load {
     /// Number of greedy clients, each with its own connection; 0 for none
     #[arg(long, value_name = "N", default_value_t = 64)]
     clients: usize,
+    /// File with a key that they use instead of that of the small rollouts: owners take turns
+    #[arg(long, value_name = "FILE")]
+    clients_token_file: Option<PathBuf>,
     /// Size of their rollouts: instances x frames
     #[arg(long, value_name = "BxF", default_value = "4000x200")]
     large: Size,
@@ -237,7 +245,9 @@ async fn measure(
         return Ok(report);
     }
     let stop = CancellationToken::new();
-    let greedy = (0..clients).map(|_| greedy(global, still, large, &stop));
+    let token_file = args.clients_token_file.clone().or_else(|| global.token_file.clone());
+    let of_clients = Global { token_file, ..global.clone() };
+    let greedy = (0..clients).map(|_| greedy(&of_clients, still, large, &stop));
     let loaded = async {
         // The clients come first.
         tokio::time::sleep(Duration::from_secs(2)).await;

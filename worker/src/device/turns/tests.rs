@@ -38,6 +38,52 @@ fn requests_share_by_time_and_not_by_slices() {
 }
 
 #[test]
+fn accounts_share_by_time_however_many_requests_each_has() {
+    let mut turns = Turns::new(0.25);
+    let (many, one) = (Arc::<Standing>::default(), Arc::<Standing>::default());
+    let made: Vec<_> = (0..33)
+        .map(|n| Flow::of(Priority::Interactive, if n < 32 { &many } else { &one }.clone()))
+        .collect();
+    made.iter().enumerate().for_each(|(n, flow)| turns.push(flow, n));
+    let mut used = [0; 33];
+    while used.iter().sum::<u64>() < 40_000 {
+        let (flow, n) = turns.take().unwrap();
+        used[n] += 20;
+        turns.served(&flow, Duration::from_millis(20));
+        turns.push(&flow, n);
+    }
+    assert!((19_900..20_100).contains(&used[32]), "{used:?}");
+    // Within the account, too, all have the same.
+    assert!(used[..32].iter().all(|ms| (560..=700).contains(ms)), "{used:?}");
+}
+
+#[test]
+fn an_account_that_returns_is_not_served_for_its_absence() {
+    let mut turns = Turns::new(0.25);
+    let away = Arc::<Standing>::default();
+    let (busy, first) =
+        (Flow::new(Priority::Interactive), Flow::of(Priority::Interactive, away.clone()));
+    turns.push(&first, "away");
+    turns.push(&busy, "busy");
+    for _ in 0..1_000 {
+        let (flow, what) = turns.take().unwrap();
+        turns.served(&flow, Duration::from_millis(20));
+        if what == "busy" {
+            turns.push(&busy, what);
+        }
+    }
+    let again = Flow::of(Priority::Interactive, away);
+    turns.push(&again, "away");
+    let mut in_a_row = 0;
+    while turns.take().unwrap().1 == "away" {
+        turns.served(&again, Duration::from_millis(20));
+        turns.push(&again, "away");
+        in_a_row += 1;
+    }
+    assert!((1..=7).contains(&in_a_row), "{in_a_row}");
+}
+
+#[test]
 fn a_new_request_is_next_but_one_in_any_line() {
     let mut turns = Turns::new(0.25);
     let large: Vec<_> = (0..8).map(|_| Flow::new(Priority::Interactive)).collect();

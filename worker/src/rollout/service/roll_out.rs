@@ -25,7 +25,7 @@ use tonic::Status;
 use super::{Inner, RequestHold, blocking};
 use crate::{
     budget,
-    device::{Priority, QueuedBackend},
+    device::{Account, QueuedBackend},
     rollout::error::Error,
 };
 
@@ -70,11 +70,12 @@ impl RollOutCall {
         slot: OwnedSemaphorePermit,
         arrived: Instant,
         held: RequestHold,
+        account: Option<&Account>,
     ) -> (Self, Parts) {
         let cancel = CancelToken::default();
         let (parts, receiver) = mpsc::channel(WAITING_PARTS);
         let stream = Parts { parts: ReceiverStream::new(receiver), cancel: cancel.clone() };
-        let backend = Arc::new(inner.device.backend(Priority::Interactive));
+        let backend = Arc::new(inner.device.backend_for(account));
         (Self { inner, backend, slot: Arc::new(slot), arrived, cancel, parts, held }, stream)
     }
 

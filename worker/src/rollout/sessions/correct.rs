@@ -9,7 +9,6 @@ use bendtwin_rollout::{CorrectionInput, RestShape, corrected, shape};
 
 use crate::{
     budget,
-    device::Priority,
     rollout::{
         error::Error,
         service::{Inner, Unary},
@@ -41,7 +40,7 @@ impl Inner {
             false => Vec::new(),
         };
         let to = Arc::clone(&session);
-        let backend = self.device.backend(Priority::Interactive);
+        let backend = call.backend(&self.device);
         let corrections = call.blocking(move |cancel| {
             let (_share, _turn) = (share, turn);
             let seen =
