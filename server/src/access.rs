@@ -7,99 +7,26 @@ mod in_flight;
 pub(crate) mod key;
 mod key_ring;
 mod refusals;
+mod scopes;
 mod table;
 mod tokens;
 
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{Category, Fault, ids::KeyId};
-use bendtwin_store::{Creator, Key, Quotas};
+use bendtwin_store::{Creator, Memberships, Quotas};
 
 use self::refusals::{Refusals, Refused};
 use crate::{audit, refusal::Refusal};
 
 pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};
-pub(crate) use key_ring::KeyRing;
+pub(crate) use key_ring::{Holder, KeyRing};
+pub use scopes::Scope;
+pub(crate) use scopes::{Grant, Scopes};
 pub use table::{Access, TABLE};
 pub(crate) use table::{find, is_open, route_name};
 pub(crate) use tokens::{Bearer, Child, Tokens};
-
-/// Right to a kind of calls, which a key may have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Scope {
-    /// Make, list and revoke keys.
-    Admin,
-    /// Read captures and everything that belongs to them.
-    CapturesRead,
-    /// Upload captures, add files to them, change, read again and delete them.
-    CapturesWrite,
-    /// Read fits and their losses.
-    FitsRead,
-    /// Start, change, cancel and delete fits.
-    FitsWrite,
-    /// Rollouts, sessions, plays, plans, registrations and evaluations.
-    RolloutsRun,
-    /// Read and export twins.
-    TwinsRead,
-    /// Import, change and delete twins.
-    TwinsWrite,
-}
-
-impl Scope {
-    /// All scopes, in the order of their words.
-    pub const ALL: [Self; 8] = [
-        Self::Admin,
-        Self::CapturesRead,
-        Self::CapturesWrite,
-        Self::FitsRead,
-        Self::FitsWrite,
-        Self::RolloutsRun,
-        Self::TwinsRead,
-        Self::TwinsWrite,
-    ];
-
-    /// The word of the scope in the API.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Admin => "admin",
-            Self::CapturesRead => "captures:read",
-            Self::CapturesWrite => "captures:write",
-            Self::FitsRead => "fits:read",
-            Self::FitsWrite => "fits:write",
-            Self::RolloutsRun => "rollouts:run",
-            Self::TwinsRead => "twins:read",
-            Self::TwinsWrite => "twins:write",
-        }
-    }
-
-    /// The scope of a word.
-    pub fn parse(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|scope| scope.as_str() == word)
-    }
-
-    fn bit(self) -> u16 {
-        1 << (self as u16)
-    }
-}
-
-/// A set of scopes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Scopes(u16);
-
-impl Scopes {
-    pub(crate) const ALL: Self = Self(u16::MAX);
-
-    pub(crate) fn has(self, scope: Scope) -> bool {
-        self.0 & scope.bit() != 0
-    }
-}
-
-impl FromIterator<Scope> for Scopes {
-    fn from_iter<I: IntoIterator<Item = Scope>>(scopes: I) -> Self {
-        Self(scopes.into_iter().fold(0, |bits, scope| bits | scope.bit()))
-    }
-}
 
 /// The owner of what is made with the client token.
 pub(crate) const TOKEN_OWNER: &str = "local";
@@ -113,6 +40,8 @@ pub(crate) struct Caller {
     pub(crate) owner: Arc<str>,
     pub(crate) scopes: Scopes,
     pub(crate) quotas: Quotas,
+    /// The projects of all owners.
+    memberships: Arc<Memberships>,
     /// Calls under way of all callers.
     pub(crate) in_flight: InFlight,
     /// Refusals of all callers.
@@ -131,15 +60,29 @@ impl Caller {
     }
 
     /// The holder of a key. Words that are not scopes allow nothing.
-    fn with_key(key: &Key, in_flight: InFlight) -> Self {
+    fn with_key(holder: &Holder, in_flight: InFlight) -> Self {
+        let Holder { key, memberships } = holder;
         Self {
             key: Some(key.id),
             owner: key.owner.as_str().into(),
-            scopes: key.scopes.iter().filter_map(|word| Scope::parse(word)).collect(),
+            scopes: key.scopes.iter().filter_map(|word| Grant::parse(word)).collect(),
             quotas: key.quotas,
+            memberships: Arc::clone(memberships),
             in_flight,
             ..Self::default()
         }
+    }
+
+    /// True if a call for a scope may be about resources of an owner. Those whose owner is not known
+    /// are for scopes without a bound.
+    pub(crate) fn reaches(&self, scope: Scope, owner: &str) -> bool {
+        let is_own = || self.owner.as_ref() == owner || self.memberships.share(&self.owner, owner);
+        self.scopes.reach_all(scope) || !owner.is_empty() && self.scopes.has(scope) && is_own()
+    }
+
+    /// The owner to whom and to whose projects the scope is bound; `None` without a bound.
+    pub(crate) fn bound(&self, scope: Scope) -> Option<String> {
+        (!self.scopes.reach_all(scope)).then(|| self.owner.to_string())
     }
 
     /// The caller as the maker of something.

@@ -12,12 +12,11 @@ mod jobs;
 mod keys;
 mod labels;
 mod operations;
-mod plans;
-mod plays;
+mod projects;
 mod receive;
 mod requirements;
-mod rollouts;
-mod sessions;
+mod rights;
+mod simulation;
 mod sweeps;
 mod twins;
 mod uploads;
@@ -58,8 +57,10 @@ pub(crate) use keys::KeyOrder;
 pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
 use operations::Readiness;
+pub(crate) use projects::ProjectOrder;
 pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
+pub(crate) use rights::{name, name_of_worker, whole_name};
 pub(crate) use sweeps::Sweeps;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
 use workers::Members;
@@ -172,14 +173,10 @@ impl App {
     }
 }
 
-/// Parses a resource name.
-pub(crate) fn name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<T> {
-    text.parse().map_err(Error::Name)
-}
-
-/// Parses the name of an optional filter; empty means none.
-pub(crate) fn optional_name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<Option<T>> {
-    if text.is_empty() { Ok(None) } else { name(text).map(Some) }
+/// Parses the name of an optional filter, which selects among what the caller reaches; empty means
+/// none.
+fn optional_name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<Option<T>> {
+    if text.is_empty() { Ok(None) } else { text.parse().map(Some).map_err(Error::Name) }
 }
 
 /// Checks an idempotency key; empty means none.

@@ -249,6 +249,11 @@ impl Dispatch {
         self.lock().values().filter_map(|e| e.fit_room()).collect()
     }
 
+    /// The owner of a twin; empty if it is not known.
+    pub(crate) async fn twin_owner(&self, id: TwinId) -> Result<Arc<str>> {
+        Ok(self.twins.get(&self.store, id).await?.owner)
+    }
+
     pub(crate) fn forget_twin(&self, id: TwinId) {
         self.twins.forget(id);
     }

@@ -69,6 +69,19 @@ pub(crate) enum Error {
     #[error("the checksum does not match the bytes received: send them again")]
     #[problem(InvalidArgument, "CHECKSUM_MISMATCH")]
     ChecksumMismatch,
+    #[error(
+        "{name} belongs to someone else than {owner} and the members of {owner}'s projects, and this \
+         key has only {scope}:own: ask for a project with its owner (`bendtwin project add`), or for \
+         a key with {scope}"
+    )]
+    #[problem(PermissionDenied, "NOT_OWNER")]
+    NotOwner { name: String, owner: String, scope: &'static str },
+    #[error(
+        "{owner} is no member of {name}: ask someone with the scope admin for a membership \
+         (`bendtwin project add`)"
+    )]
+    #[problem(PermissionDenied, "NOT_MEMBER")]
+    NotMember { name: String, owner: String },
     #[error("the worker token is missing or unknown")]
     #[problem(Unauthenticated, "BAD_WORKER_TOKEN")]
     BadToken,

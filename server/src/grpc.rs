@@ -10,6 +10,7 @@ mod health;
 mod keys;
 mod link;
 mod plans;
+mod projects;
 mod registrations;
 mod rollouts;
 mod screened;
@@ -27,6 +28,7 @@ use bendtwin_proto::{
         capture_service_server::CaptureServiceServer,
         evaluation_service_server::EvaluationServiceServer, fit_service_server::FitServiceServer,
         key_service_server::KeyServiceServer, planning_service_server::PlanningServiceServer,
+        project_service_server::ProjectServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
         twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
@@ -90,6 +92,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
         .with::<KeyServiceServer<Api>>()
+        .with::<ProjectServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -106,6 +109,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(ProjectServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),

@@ -5,8 +5,10 @@ pub(crate) mod completions;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, ca, capture, demo, doctor, eval, fit, global::Global, key, logging, rollout, server,
-    store, twin, worker,
+    access::{key, project},
+    bench, ca, capture, demo, doctor, eval, fit,
+    global::Global,
+    logging, rollout, server, store, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -45,6 +47,8 @@ pub(crate) enum Command {
     Rollout(rollout::Rollout),
     /// Make, list and revoke the keys of a server
     Key(key::Key),
+    /// Make and change projects, whose members share what they have
+    Project(project::Project),
     /// Issue certificates for servers and workers with a private authority
     Ca(ca::Ca),
     /// Fit and score captures on this machine, without a server

@@ -1,5 +1,6 @@
 //! The `bendtwin` command: the whole system in one binary.
 
+mod access;
 mod args;
 mod bench;
 mod ca;
@@ -8,7 +9,6 @@ mod demo;
 mod doctor;
 mod eval;
 mod fit;
-mod key;
 mod labels;
 mod process;
 mod quality;
@@ -97,7 +97,8 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::IngestCapture(args) => worker::ingest_capture(&args),
         Command::Capture(args) => capture::run(args, global).await,
         Command::Fit(args) => fit::run(args, global).await,
-        Command::Key(args) => key::run(args, global).await,
+        Command::Key(args) => access::key::run(args, global).await,
+        Command::Project(args) => access::project::run(args, global).await,
         Command::Ca(args) => ca::run(args, global),
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,

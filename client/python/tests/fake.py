@@ -16,6 +16,8 @@ from bendtwin.v1 import (
     fit_pb2,
     fit_pb2_grpc,
     job_pb2,
+    project_pb2,
+    project_pb2_grpc,
     rollout_pb2,
     rollout_pb2_grpc,
     tensor_pb2,
@@ -25,6 +27,7 @@ from bendtwin.v1 import (
 
 CAPTURE = "captures/0190a000-0000-7000-8000-000000000001"
 FIT = "fits/0190a000-0000-7000-8000-000000000002"
+PROJECT = "projects/0190a000-0000-7000-8000-000000000004"
 TWIN = "twins/0190a000-0000-7000-8000-000000000003"
 
 _WIRE = tensor_pb2.Tensor
@@ -51,6 +54,7 @@ class Fake(
     fit_pb2_grpc.FitServiceServicer,
     twin_pb2_grpc.TwinServiceServicer,
     rollout_pb2_grpc.RolloutServiceServicer,
+    project_pb2_grpc.ProjectServiceServicer,
 ):
     """Server that keeps the requests that it got, and ends jobs as it is told."""
 
@@ -162,6 +166,29 @@ class Fake(
     def ListTwins(self, request, context):
         self.listed = request
         return twin_pb2.ListTwinsResponse(twins=[twin_pb2.Twin(name=TWIN, error_m=0.004)])
+
+    def CreateProject(self, request, context):
+        self.update = request
+        members = sorted(set(request.members))
+        return project_pb2.Project(name=PROJECT, display_name=request.display_name, members=members)
+
+    def GetProject(self, request, context):
+        return project_pb2.Project(name=request.name, members=["ada"])
+
+    def ListProjects(self, request, context):
+        page = int(request.page_token or 0)
+        return project_pb2.ListProjectsResponse(
+            projects=[project_pb2.Project(name=f"projects/{page}")],
+            next_page_token=str(page + 1) if page < 2 else "",
+        )
+
+    def UpdateProject(self, request, context):
+        self.update = request
+        return project_pb2.Project(name=request.project.name, members=request.add_members)
+
+    def DeleteProject(self, request, context):
+        self.removed = request
+        return project_pb2.DeleteProjectResponse()
 
     def GetFitLosses(self, request, context):
         curve = fit_pb2.FitLosses.LossCurve(
@@ -329,6 +356,7 @@ def serve(fake: Fake) -> tuple[grpc.Server, str]:
     fit_pb2_grpc.add_FitServiceServicer_to_server(fake, server)
     twin_pb2_grpc.add_TwinServiceServicer_to_server(fake, server)
     rollout_pb2_grpc.add_RolloutServiceServicer_to_server(fake, server)
+    project_pb2_grpc.add_ProjectServiceServicer_to_server(fake, server)
     port = server.add_insecure_port("127.0.0.1:0")
     server.start()
     return server, f"127.0.0.1:{port}"

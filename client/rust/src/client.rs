@@ -16,6 +16,7 @@ use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient,
     evaluation_service_client::EvaluationServiceClient, fit_service_client::FitServiceClient,
     key_service_client::KeyServiceClient, planning_service_client::PlanningServiceClient,
+    project_service_client::ProjectServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
     twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
@@ -25,8 +26,8 @@ use tonic::transport::Endpoint;
 use url::Url;
 
 use crate::{
-    Captures, Error, Evaluations, Fits, Keys, Plans, Registrations, Rollouts, Sessions, Twins,
-    Workers, token,
+    Captures, Error, Evaluations, Fits, Keys, Plans, Projects, Registrations, Rollouts, Sessions,
+    Twins, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -144,6 +145,11 @@ impl Client {
     /// Keys of clients.
     pub fn keys(&self) -> Keys {
         Keys::new(KeyServiceClient::new(self.channel.clone()))
+    }
+
+    /// Projects of owners.
+    pub fn projects(&self) -> Projects {
+        Projects::new(ProjectServiceClient::new(self.channel.clone()))
     }
 
     /// Worker processes that the server knows.

@@ -72,6 +72,7 @@ mod keys;
 mod labels;
 mod page;
 mod plans;
+mod projects;
 mod registrations;
 mod resources;
 mod rollouts;
@@ -84,7 +85,7 @@ mod workers;
 pub use bendtwin_core::settings::ingest::IngestSettings;
 pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
-    ids::{CaptureId, FitId, KeyId, SessionId, TwinId, WorkerId},
+    ids::{CaptureId, FitId, KeyId, ProjectId, SessionId, TwinId, WorkerId},
 };
 pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 pub use bendtwin_proto::v1::{
@@ -102,6 +103,7 @@ pub use self::{
     labels::{CaptureFacts, ListQuery, Order, Update},
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
+    projects::{Project, ProjectChange, Projects},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, Supplement, Twin, Worker},
     rollouts::{

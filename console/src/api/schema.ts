@@ -509,6 +509,55 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/projects": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List projects
+         * @description The projects that the owner of the key is a member of, newest first; with the scope `admin` all projects.
+         */
+        get: operations["ListProjects"];
+        put?: never;
+        /** Create project */
+        post: operations["CreateProject"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/projects/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get project
+         * @description With any key a project of its owner, with the scope `admin` any project.
+         */
+        get: operations["GetProject"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete project
+         * @description Deletes a project. Its members keep what they have, and no longer share it.
+         */
+        delete: operations["DeleteProject"];
+        options?: never;
+        head?: never;
+        /**
+         * Update project
+         * @description Changes name and members. A change takes effect immediately at the server that receives it, and within 30 s at the others.
+         */
+        patch: operations["UpdateProject"];
+        trace?: never;
+    };
     "/v1/sessions": {
         parameters: {
             query?: never;
@@ -1302,6 +1351,12 @@ export interface components {
             /** @description The key itself, `bt_{id}_{secret}`, as clients present it. */
             secret_key: string;
         };
+        CreateProjectRequest: {
+            /** @description 1 to 200 characters. */
+            display_name: string;
+            /** @description Names of owners, up to 200. An owner need not have a key yet. */
+            members?: string[];
+        };
         /** @description A box aligned with the axes. */
         Cuboid: {
             high?: number[];
@@ -1589,7 +1644,7 @@ export interface components {
              * @description Absent unless the key has been revoked.
              */
             revoke_time: string | null;
-            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. */
+            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. Each but admin may end in `:own`, for example captures:write:own: it then applies to what the owner of the key has, and to what members of the owner's projects have. */
             scopes: string[];
         };
         /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound. */
@@ -1636,6 +1691,11 @@ export interface components {
             keys: components["schemas"]["Key"][];
             /** @description Empty on the last page. */
             next_page_token: string;
+        };
+        ListProjectsResponse: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            projects: components["schemas"]["Project"][];
         };
         ListTwinsResponse: {
             next_page_token: string;
@@ -2000,6 +2060,16 @@ export interface components {
             stage: string;
             /** @description Model: bending or axial; for an ingest, the step. */
             variant: string;
+        };
+        Project: {
+            /** Format: date-time */
+            create_time: string;
+            /** @description 1 to 200 characters. */
+            display_name: string;
+            /** @description Names of owners, sorted; up to 200. */
+            members: string[];
+            /** @description projects/{uuid} */
+            name: string;
         };
         /** @description State of the server as `/readyz` reports it. */
         Readiness: {
@@ -2634,6 +2704,15 @@ export interface components {
             remove_tags?: string[];
             /** @description Up to 32 tags of up to 50 characters, sorted. */
             tags?: string[];
+        };
+        UpdateProjectRequest: {
+            /** @description Members to add and to remove, leaving the others; not allowed together with `members` in the mask. */
+            add_members?: string[];
+            /** @description 1 to 200 characters. */
+            display_name?: string;
+            /** @description Names of owners, sorted; up to 200. */
+            members?: string[];
+            remove_members?: string[];
         };
         UpdateTwinRequest: {
             /** @description Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask. */
@@ -4054,6 +4133,170 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ListProjects: {
+        parameters: {
+            query?: {
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
+                page_size?: number;
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListProjectsResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    CreateProject: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CreateProjectRequest"];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Project"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetProject: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Project"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    DeleteProject: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    UpdateProject: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UpdateProjectRequest"];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Project"];
+                };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
             default: {

@@ -1,6 +1,6 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
-//! `sessions/{id}`, `plays/{id}`, `workers/{id}` and `keys/{id}`, what is no resource `ingests/{id}`
-//! and `servers/{id}`; ids are UUIDv7, so they sort by creation time.
+//! `sessions/{id}`, `plays/{id}`, `workers/{id}`, `keys/{id}` and `projects/{id}`, what is no resource
+//! `ingests/{id}` and `servers/{id}`; ids are UUIDv7, so they sort by creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -124,6 +124,10 @@ id!(
 id!(
     /// A key with which a client identifies itself.
     KeyId, "keys"
+);
+id!(
+    /// A set of owners who share what they have.
+    ProjectId, "projects"
 );
 
 /// Leading bytes of a session's id that are its own; the others are the last ones of its worker's id.

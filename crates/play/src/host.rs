@@ -15,6 +15,9 @@ pub type Updates = BoxStream<'static, Result<PlanUpdate>>;
 
 /// The calls that a play makes, each on behalf of the client that began it and within a time limit.
 pub trait Host: Send + Sync {
+    /// Owner of the key of that client; empty if it is not known.
+    fn owner(&self) -> &str;
+
     /// Opens a session with one slot. Returns its name.
     fn open_session(
         &self,

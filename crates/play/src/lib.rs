@@ -70,6 +70,7 @@ pub struct Limits {
 pub struct Play {
     id: PlayId,
     twin: TwinId,
+    owner: String,
     frame_s: f64,
     /// The first message to a browser.
     ready: String,
@@ -208,6 +209,11 @@ impl Play {
     /// The twin that is played with.
     pub fn twin(&self) -> TwinId {
         self.twin
+    }
+
+    /// Owner of the key of the client that began it; empty if it is not known.
+    pub fn owner(&self) -> &str {
+        &self.owner
     }
 
     /// Seconds from frame to frame.

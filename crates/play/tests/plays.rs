@@ -79,6 +79,10 @@ fn ready<'a, T: Send + 'a>(value: Result<T>) -> BoxFuture<'a, Result<T>> {
 }
 
 impl Host for Mover {
+    fn owner(&self) -> &str {
+        "ada"
+    }
+
     fn open_session(&self, _: OpenSessionRequest, _: Duration) -> BoxFuture<'_, Result<String>> {
         let nth = self.opened.fetch_add(1, Ordering::SeqCst);
         ready(Ok(format!("sessions/{nth}")))

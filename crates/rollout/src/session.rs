@@ -32,6 +32,8 @@ const IDLE_BOUNDS_S: std::ops::RangeInclusive<f64> = 1.0..=3600.0;
 pub struct Setup {
     /// The twin.
     pub twin: TwinId,
+    /// Owner of the key that opened it, for servers; empty if it is not known.
+    pub owner: String,
     /// captures/{uuid} of the twin, for initial states in a frame of it.
     pub capture: String,
     /// The model that answers.
@@ -297,6 +299,7 @@ impl Sessions {
             slots: session.slots() as u32,
             grasps: session.setup.grasps.len() as u32,
             colliders: session.setup.world.as_ref().map_or(0, |w| w.colliders.len() as u32),
+            owner: session.setup.owner.clone(),
         });
         held.collect()
     }

@@ -18,6 +18,7 @@ use crate::{
     jobs::{self, JobOrigin},
     keys::quotas::{self, More},
     labels::{self, Collection},
+    owners::request_ids::{self, RequestId},
     sql::{query, query_scalar, row::row},
     store::clock::from_micros,
     uploads,
@@ -162,11 +163,9 @@ impl Captures<'_> {
         let upload = content.upload();
         let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
-        if let Some(request_id) = &request_id {
-            let row: Option<Row> = query("select * from captures where request_id = $1")
-                .bind(request_id)
-                .fetch_optional(&mut tx)
-                .await?;
+        let request = RequestId::of(&creator.owner, request_id.as_deref());
+        if let Some(request) = request {
+            let row: Option<Row> = request.find(&mut tx, "*", "captures").await?;
             if let Some(row) = row {
                 let same_name = row.first_name() == facts.display_name;
                 let before = Capture::try_from(row)?;
@@ -179,14 +178,13 @@ impl Captures<'_> {
                 }
                 drop((tx, guard));
                 self.store.release(&digest.to_hex()).await?;
-                let (request_id, name) = (request_id.clone(), before.id.to_string());
+                let (request_id, name) = (request.id.to_owned(), before.id.to_string());
                 return Err(Error::RequestIdTaken { request_id, name });
             }
         }
         let more = More { jobs: 1, bytes: size_bytes, upload };
         let admitted = async {
-            let key = request_id.as_deref();
-            deleted_requests::refuse(&mut tx, Kind::Captures, key, upload).await?;
+            deleted_requests::refuse(&mut tx, Kind::Captures, request, upload).await?;
             quotas::require(&mut tx, &creator, more).await?;
             jobs::admit_ingest(&mut tx, &requirements).await
         }
@@ -197,6 +195,7 @@ impl Captures<'_> {
             return Err(error);
         }
         let id = CaptureId::generate();
+        let request_id = request_ids::text_in(request, &mut tx, "captures").await?;
         let row: Row = query(
             "insert into captures (id, display_name, created_at, size_bytes, digest, request_id,
                  name_key, search_text, owner, recorded_by)
@@ -352,15 +351,15 @@ impl Captures<'_> {
         if fits > 0 {
             return Err(Error::CaptureInUse { name: id.to_string(), fits });
         }
-        let deleted: Option<(String, Option<String>)> =
-            query("delete from captures where id = $1 returning digest, request_id")
+        let deleted: Option<(String, Option<String>, String)> =
+            query("delete from captures where id = $1 returning digest, request_id, owner")
                 .bind(&key)
                 .fetch_optional(&mut tx)
                 .await?;
-        let (digest, request_id) =
+        let (digest, request_id, owner) =
             deleted.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
-        let (request_id, name) = (request_id.as_deref(), id.to_string());
-        self.store.keep_request_id(&mut tx, Kind::Captures, request_id, &name).await?;
+        let request = request_id.as_deref().map(|stored| RequestId::of_row(stored, &owner));
+        self.store.keep_request_id(&mut tx, Kind::Captures, request, &id.to_string()).await?;
         labels::forget(&mut tx, Collection::Captures, &key).await?;
         let mut obsolete = vec![digest];
         // Its worker learns that the job is gone, and stops.

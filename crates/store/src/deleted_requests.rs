@@ -3,7 +3,8 @@
 //! A request may be under way more than once: its client gave it up and repeated it elsewhere, and
 //! the first attempt continues in its server, or in the network. The resource of the repetition may
 //! be deleted before that attempt ends. Then only the id shows that the request has been answered,
-//! so the id outlives the row that it was in.
+//! so the id outlives the row that it was in, with its owner: others may use the same id. A row without
+//! an owner is that of a server of an earlier version, and counts for all.
 //!
 //! A resumable upload is different: clients derive its id from a file, and send the file again on
 //! purpose. An upload that is begun after the deletion, by a request without content, is no late
@@ -16,6 +17,7 @@ use bendtwin_core::ids::UploadId;
 
 use crate::{
     Error, Result, Store,
+    owners::request_ids::{DIVIDER, RequestId},
     sql::{Transaction, query},
 };
 
@@ -51,35 +53,36 @@ impl Kind {
 pub(crate) async fn refuse(
     tx: &mut Transaction,
     kind: Kind,
-    request_id: Option<&str>,
+    request: Option<RequestId<'_>>,
     upload: Option<UploadId>,
 ) -> Result<()> {
-    let Some(request_id) = request_id else { return Ok(()) };
-    let row: Option<(String, Option<String>)> =
-        query("select name, upload from deleted_requests where kind = $1 and request_id = $2")
-            .bind(kind.as_str())
-            .bind(request_id)
-            .fetch_optional(tx)
-            .await?;
-    match row {
-        Some((name, begun))
-            if begun.is_none() || begun != upload.map(|id| id.uuid().to_string()) =>
-        {
-            Err(Error::DeletedSince { request_id: request_id.to_owned(), name })
-        }
-        _ => Ok(()),
+    let Some(request) = request else { return Ok(()) };
+    let rows: Vec<(String, Option<String>)> = query(
+        "select name, upload from deleted_requests where kind = $1 and request_id in ($2, $3)",
+    )
+    .bind(kind.as_str())
+    .bind(request.qualified())
+    .bind(request.id)
+    .fetch_all(tx)
+    .await?;
+    let upload = upload.map(|id| id.uuid().to_string());
+    let late = rows.into_iter().find(|(_, begun)| begun.is_none() || *begun != upload);
+    match late {
+        Some((name, _)) => Err(Error::DeletedSince { request_id: request.id.to_owned(), name }),
+        None => Ok(()),
     }
 }
 
 /// Lets an upload make a capture that was begun under the id of a deleted one.
 pub(crate) async fn begin_again(
     tx: &mut Transaction,
-    request_id: &str,
+    request: RequestId<'_>,
     upload: &str,
 ) -> Result<()> {
-    query("update deleted_requests set upload = $3 where kind = $1 and request_id = $2")
+    query("update deleted_requests set upload = $4 where kind = $1 and request_id in ($2, $3)")
         .bind(Kind::Captures.as_str())
-        .bind(request_id)
+        .bind(request.qualified())
+        .bind(request.id)
         .bind(upload)
         .execute(tx)
         .await?;
@@ -92,10 +95,10 @@ impl Store {
         &self,
         tx: &mut Transaction,
         kind: Kind,
-        request_id: Option<&str>,
+        request: Option<RequestId<'_>>,
         name: &str,
     ) -> Result<()> {
-        let Some(request_id) = request_id else { return Ok(()) };
+        let Some(request) = request else { return Ok(()) };
         let until = self.lease_until(tx, KEPT);
         query(
             "insert into deleted_requests (kind, request_id, name, until_at)
@@ -104,7 +107,7 @@ impl Store {
              set name = excluded.name, until_at = excluded.until_at, upload = null",
         )
         .bind(kind.as_str())
-        .bind(request_id)
+        .bind(request.qualified())
         .bind(name)
         .bind(until)
         .execute(tx)
@@ -120,9 +123,11 @@ impl Store {
         query(
             "delete from deleted_requests where until_at < $1 and not exists (
                  select 1 from uploads
-                 where uploads.request_id = deleted_requests.request_id and state = 'receiving')",
+                 where state = 'receiving' and deleted_requests.request_id in (
+                     uploads.request_id, uploads.request_id || $2 || uploads.owner))",
         )
         .bind(now)
+        .bind(DIVIDER.to_string())
         .execute(&mut tx)
         .await?;
         tx.commit().await

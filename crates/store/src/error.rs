@@ -67,6 +67,12 @@ pub enum Error {
     #[error("{name} would have more than {limit} tags: take some away first")]
     #[problem(InvalidArgument, "TOO_MANY_TAGS")]
     TooManyTags { name: String, limit: usize },
+    #[error("a project has {limit} members at most: make another, or give people one owner")]
+    #[problem(InvalidArgument, "TOO_MANY_MEMBERS")]
+    TooManyMembers { limit: usize },
+    #[error("there are {limit} projects, which is the limit: delete those that nobody needs")]
+    #[problem(ResourceExhausted, "TOO_MANY_PROJECTS")]
+    TooManyProjects { limit: i64 },
     #[error(
         "{limit} different requirements wait in the queue already: ask for the same backend, memory and \
          labels as others do, or retry later"

@@ -26,6 +26,7 @@ use tokio::sync::broadcast;
 use crate::{
     Digest, Error, Labels, Result, Store, deleted_requests,
     labels::{self, Collection},
+    owners::request_ids::RequestId,
     sql::query,
 };
 
@@ -211,9 +212,10 @@ impl Jobs<'_> {
             query(statement).bind(&key).execute(&mut tx).await?;
         }
         labels::forget(&mut tx, Collection::Fits, &key).await?;
-        let (request_id, name) = (row.request_id.as_deref(), fit.to_string());
+        let request_id = row.request_id.as_deref();
+        let request = request_id.map(|stored| RequestId::of_row(stored, &row.owner));
         let kind = deleted_requests::Kind::Jobs;
-        self.store.keep_request_id(&mut tx, kind, request_id, &name).await?;
+        self.store.keep_request_id(&mut tx, kind, request, &fit.to_string()).await?;
         tx.commit().await?;
         let _ = self.store.inner.changes.send(fit.into());
         match row.checkpoint {

@@ -62,8 +62,8 @@
 //! make garbage of the blobs of another database.
 //!
 //! # Requests that come again
-//! The row of what a request made has its request id, so a repetition finds it. The id outlives the
-//! row for a day (`deleted_requests`): an attempt that its client had given up, and that comes to its
+//! The row of what a request made has its request id, so a repetition finds it. Each owner has its
+//! own ids (`owners::request_ids`). The id outlives the row for a day (`deleted_requests`): an attempt that its client had given up, and that comes to its
 //! end after the deletion, makes nothing.
 //!
 //! # Content that is not what it was
@@ -108,6 +108,7 @@ mod keys;
 mod labels;
 mod listing;
 pub mod maintenance;
+mod owners;
 mod sql;
 mod store;
 mod twins;
@@ -139,6 +140,10 @@ pub use labels::{LabelChange, Labels, MAX_TAGS};
 pub use listing::{
     ListQuery, Order, OrderKey,
     page::{Page, PageRequest},
+};
+pub use owners::{
+    Owners,
+    projects::{MAX_MEMBERS, MemberChange, Memberships, Project, ProjectChange, Projects},
 };
 pub use store::{
     Options, Store,

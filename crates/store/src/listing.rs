@@ -10,7 +10,9 @@ pub(crate) mod page;
 use bendtwin_core::ids::CaptureId;
 
 use self::page::Place;
-use crate::{Error, PageRequest, Result, State, labels::Collection, sql::Builder};
+use crate::{
+    Error, PageRequest, Result, State, labels::Collection, owners::projects, sql::Builder,
+};
 
 /// Key by which a list is ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,6 +61,9 @@ pub struct ListQuery {
     pub owner: String,
     /// Who recorded it, of captures; empty means any.
     pub recorded_by: String,
+    /// An owner to whom the list is confined, with the owners who share a project with it; `None`
+    /// for no bound. It is no part of the selection: a page token stays good when projects change.
+    pub shared_with: Option<String>,
 }
 
 impl From<PageRequest> for ListQuery {
@@ -70,7 +75,17 @@ impl From<PageRequest> for ListQuery {
 impl ListQuery {
     /// Identity of the listing that tokens belong to: all but the page.
     pub(crate) fn listing(&self, collection: Collection) -> String {
-        let Self { page: _, order, search, tag, capture, state, owner, recorded_by } = self;
+        let Self {
+            page: _,
+            order,
+            search,
+            tag,
+            capture,
+            state,
+            owner,
+            recorded_by,
+            shared_with: _,
+        } = self;
         let selection = (order, search, tag, capture, state, owner, recorded_by);
         format!("{} {selection:?}", collection.name())
     }
@@ -100,6 +115,9 @@ impl ListQuery {
         }
         if !self.owner.is_empty() {
             sql.push(" and t.owner = ").push_bind(self.owner.clone());
+        }
+        if let Some(owner) = &self.shared_with {
+            projects::push_shared_with(&mut sql, "t.owner", owner);
         }
         if !self.recorded_by.is_empty() {
             sql.push(" and t.recorded_by = ").push_bind(self.recorded_by.clone());

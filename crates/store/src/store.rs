@@ -10,8 +10,8 @@ use tokio::sync::{Notify, broadcast};
 
 use self::clock::micros;
 use crate::{
-    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Result, Servers,
-    SystemClock, Twins, Uploads, Workers,
+    Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Owners, Projects,
+    Result, Servers, SystemClock, Twins, Uploads, Workers,
     blobs::{Place, arrivals, files, own},
     database::{self, Database, Wakes, migrations},
     failpoint::{Armed, Failpoint},
@@ -199,6 +199,16 @@ impl Store {
     /// Keys of clients.
     pub fn keys(&self) -> Keys<'_> {
         Keys { store: self }
+    }
+
+    /// Projects of owners.
+    pub fn projects(&self) -> Projects<'_> {
+        Projects { store: self }
+    }
+
+    /// Owners of resources.
+    pub fn owners(&self) -> Owners<'_> {
+        Owners { store: self }
     }
 
     /// Content: uploads and downloads.

@@ -12,6 +12,7 @@ use crate::{
     failpoint::Failpoint,
     keys::quotas::{self, More},
     labels::{self, Collection},
+    owners::request_ids::{self, RequestId},
     sql::{Transaction, query, row::row},
     store::clock::from_micros,
 };
@@ -215,11 +216,9 @@ impl Twins<'_> {
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
-        if let Some(request_id) = &request_id {
-            let row: Option<Row> = query("select * from twins where request_id = $1")
-                .bind(request_id)
-                .fetch_optional(&mut tx)
-                .await?;
+        let request = RequestId::of(&creator.owner, request_id.as_deref());
+        if let Some(request) = request {
+            let row: Option<Row> = request.find(&mut tx, "*", "twins").await?;
             if let Some(row) = row {
                 let same_name = row.first_name() == display_name;
                 let before = Twin::try_from(row)?;
@@ -228,14 +227,13 @@ impl Twins<'_> {
                     return Ok(before);
                 }
                 self.store.release(&digest.to_hex()).await?;
-                let (request_id, name) = (request_id.clone(), before.id.to_string());
+                let (request_id, name) = (request.id.to_owned(), before.id.to_string());
                 return Err(Error::RequestIdTaken { request_id, name });
             }
         }
         let more = More { bytes: size_bytes, ..More::default() };
         let admitted = async {
-            let key = request_id.as_deref();
-            deleted_requests::refuse(&mut tx, Kind::Twins, key, None).await?;
+            deleted_requests::refuse(&mut tx, Kind::Twins, request, None).await?;
             quotas::require(&mut tx, &creator, more).await
         }
         .await;
@@ -244,6 +242,7 @@ impl Twins<'_> {
             self.store.release(&digest.to_hex()).await?;
             return Err(error);
         }
+        let request_id = request_ids::text_in(request, &mut tx, "twins").await?;
         let new = Insert {
             display_name: &display_name,
             origin: None,
@@ -327,15 +326,15 @@ impl Twins<'_> {
     pub async fn delete(&self, id: TwinId) -> Result<()> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
-        let deleted: Option<(String, Option<String>)> =
-            query("delete from twins where id = $1 returning digest, request_id")
+        let deleted: Option<(String, Option<String>, String)> =
+            query("delete from twins where id = $1 returning digest, request_id, owner")
                 .bind(&key)
                 .fetch_optional(&mut tx)
                 .await?;
-        let (digest, request_id) =
+        let (digest, request_id, owner) =
             deleted.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
-        let (request_id, name) = (request_id.as_deref(), id.to_string());
-        self.store.keep_request_id(&mut tx, Kind::Twins, request_id, &name).await?;
+        let request = request_id.as_deref().map(|stored| RequestId::of_row(stored, &owner));
+        self.store.keep_request_id(&mut tx, Kind::Twins, request, &id.to_string()).await?;
         labels::forget(&mut tx, Collection::Twins, &key).await?;
         tx.commit().await?;
         self.store.pass(Failpoint::BeforeRelease)?;

@@ -32,7 +32,8 @@ use uuid::Uuid;
 use crate::{
     Error, Page, PageRequest, Result, Store,
     blobs::{PART, Place, partial_objects},
-    sql::{Transaction, query, query_scalar},
+    owners::projects,
+    sql::{Builder, Transaction, query, query_scalar},
     store::clock::micros_after,
 };
 use lease::{WriteLease, locked};
@@ -72,17 +73,24 @@ impl Uploads<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// Uploads, newest first: those under way, and those that ended and are remembered still.
+    /// Uploads, newest first: those under way, and those that ended and are remembered still. All,
+    /// or those of an owner and of owners who share a project with it.
     ///
     /// # Errors
     /// [`Error::InvalidPageToken`].
-    pub async fn list(&self, page: &PageRequest) -> Result<Page<ResumableUpload>> {
+    pub async fn list(
+        &self,
+        page: &PageRequest,
+        shared_with: Option<&str>,
+    ) -> Result<Page<ResumableUpload>> {
         const LISTING: &str = "uploads";
-        let rows: Vec<Row> = query("select * from uploads where id < $1 order by id desc limit $2")
-            .bind(page.before(LISTING)?)
-            .bind(page.fetch())
-            .fetch_all(self.store.inner.database.read())
-            .await?;
+        let mut sql = Builder::new("select u.* from uploads as u where u.id < ");
+        sql.push_bind(page.before(LISTING)?);
+        if let Some(owner) = shared_with {
+            projects::push_shared_with(&mut sql, "u.owner", owner);
+        }
+        sql.push(" order by u.id desc limit ").push_bind(page.fetch());
+        let rows: Vec<Row> = sql.build().fetch_all(self.store.inner.database.read()).await?;
         let items = rows.into_iter().map(ResumableUpload::try_from).collect::<Result<_>>()?;
         Ok(Page::cut(items, page, LISTING, |u: &ResumableUpload| (u.id.uuid(), String::new())))
     }

@@ -45,6 +45,9 @@ pub struct ManageSessionRequest {
     pub capture: ::prost::alloc::string::String,
     #[prost(string, tag = "8")]
     pub request_id: ::prost::alloc::string::String,
+    /// Owner of the key that makes the call: a session belongs to the owner that opened it.
+    #[prost(string, tag = "10")]
+    pub owner: ::prost::alloc::string::String,
     #[prost(oneof = "manage_session_request::Call", tags = "1, 2, 3, 4, 5, 6, 9")]
     pub call: ::core::option::Option<manage_session_request::Call>,
 }
@@ -178,6 +181,9 @@ pub struct HeldSession {
     pub grasps: u32,
     #[prost(uint32, tag = "5")]
     pub colliders: u32,
+    /// ManageSessionRequest.owner of the call that opened it.
+    #[prost(string, tag = "6")]
+    pub owner: ::prost::alloc::string::String,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatResponse {

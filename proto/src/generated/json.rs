@@ -1903,6 +1903,194 @@ impl Fields for crate::v1::DeleteKeyResponse {
 }
 written!(crate::v1::DeleteKeyResponse);
 
+impl Fields for crate::v1::Project {
+    const NAME: &'static str = "Project";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "members", "create_time"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.members = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.create_time = time(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("members", &self.members)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::Project);
+
+impl Fields for crate::v1::CreateProjectRequest {
+    const NAME: &'static str = "CreateProjectRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "members"];
+    const REQUIRED: &'static [&'static str] = &["display_name"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.members = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("members", &self.members)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::CreateProjectRequest);
+
+impl Fields for crate::v1::GetProjectRequest {
+    const NAME: &'static str = "GetProjectRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetProjectRequest);
+
+impl Fields for crate::v1::ListProjectsRequest {
+    const NAME: &'static str = "ListProjectsRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListProjectsRequest);
+
+impl Fields for crate::v1::ListProjectsResponse {
+    const NAME: &'static str = "ListProjectsResponse";
+    const FIELDS: &'static [&'static str] = &["projects", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.projects = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "projects", &self.projects, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListProjectsResponse);
+
+impl Fields for crate::v1::UpdateProjectRequest {
+    const NAME: &'static str = "UpdateProjectRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "members", "add_members", "remove_members"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { if let Some(value) = map.next_value::<Option<_>>()? { self.project.get_or_insert_default().display_name = value; self.update_mask.get_or_insert_default().paths.push("display_name".to_owned()); } }
+1 => { if let Some(value) = map.next_value::<Option<_>>()? { self.project.get_or_insert_default().members = value; self.update_mask.get_or_insert_default().paths.push("members".to_owned()); } }
+2 => { self.add_members = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.remove_members = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+
+map.serialize_entry("add_members", &self.add_members)?;
+map.serialize_entry("remove_members", &self.remove_members)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::UpdateProjectRequest);
+
+impl Fields for crate::v1::DeleteProjectRequest {
+    const NAME: &'static str = "DeleteProjectRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteProjectRequest);
+
+impl Fields for crate::v1::DeleteProjectResponse {
+    const NAME: &'static str = "DeleteProjectResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteProjectResponse);
+
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";
     const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times", "time_limit_s"];

@@ -72,6 +72,16 @@ Rpc { path: "/bendtwin.v1.KeyService/ListKeys", scope: Scope::Admin, audited: fa
     Route { method: "GET", path: "/v1/keys", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListKeysRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListKeysResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.KeyService/DeleteKey", scope: Scope::Admin, audited: true, routes: &[
     Route { method: "DELETE", path: "/v1/keys/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteKeyRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteKeyResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.ProjectService/CreateProject", scope: Scope::Admin, audited: true, routes: &[
+    Route { method: "POST", path: "/v1/projects", status: 201, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::CreateProjectRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::Project>(reply, Some(|message| Some(&message.name))) }) },] },
+Rpc { path: "/bendtwin.v1.ProjectService/GetProject", scope: Scope::Anyone, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/projects/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetProjectRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Project>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.ProjectService/ListProjects", scope: Scope::Anyone, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/projects", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListProjectsRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListProjectsResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.ProjectService/UpdateProject", scope: Scope::Admin, audited: true, routes: &[
+    Route { method: "PATCH", path: "/v1/projects/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateProjectRequest>(given, |message, given| { message.project.get_or_insert_default().name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Project>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.ProjectService/DeleteProject", scope: Scope::Admin, audited: true, routes: &[
+    Route { method: "DELETE", path: "/v1/projects/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteProjectRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteProjectResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.RolloutService/RollOut", scope: Scope::RolloutsRun, audited: false, routes: &[
     Route { method: "POST", path: "/v1/twins/{id}/rollouts", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.RolloutService/StreamRollOut", scope: Scope::RolloutsRun, audited: false, routes: &[

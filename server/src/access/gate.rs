@@ -62,9 +62,10 @@ impl Gate {
         })?;
         // Hashes are compared, which takes the same time wherever they differ.
         let found = self.keys.find(shown.id).await.map_err(Refusal::from)?;
-        let found = found.filter(|key| key.hash == shown.hash);
+        let found = found.filter(|holder| holder.key.hash == shown.hash);
         let found = found.ok_or_else(|| Denial::of_stranger("the key is not known here"))?;
         let caller = Caller::with_key(&found, self.in_flight.clone());
+        let found = found.key;
         if found.revoked.is_some() {
             let what = format!("{} was revoked", found.id);
             let refusal = refused(Category::Unauthenticated, "KEY_REVOKED", what);

@@ -1,5 +1,6 @@
-//! The keys as this server knows them. They are read from the store again after a while, so a
-//! revocation by another server of the same store takes effect here within [`FRESH`].
+//! The keys, and the projects of their owners, as this server knows them. They are read from the store
+//! again after a while, so a revocation, or a change of a project, by another server of the same store
+//! takes effect here within [`FRESH`].
 
 use std::{
     collections::HashMap,
@@ -8,7 +9,7 @@ use std::{
 };
 
 use bendtwin_core::ids::KeyId;
-use bendtwin_store::{Key, Store};
+use bendtwin_store::{Key, Memberships, Store};
 use jiff::Timestamp;
 use tokio::time::Instant;
 
@@ -38,8 +39,29 @@ struct Inner {
     used: Mutex<HashMap<KeyId, Timestamp>>,
 }
 
-/// Keys by id.
-type Known = Arc<HashMap<KeyId, Arc<Key>>>;
+/// A key with what decides about those who hold it.
+#[derive(Clone, Debug)]
+pub(crate) struct Holder {
+    pub(crate) key: Arc<Key>,
+    /// The projects of all owners.
+    pub(crate) memberships: Arc<Memberships>,
+}
+
+/// Keys by id, and the projects of their owners.
+#[derive(Debug)]
+struct Everyone {
+    keys: HashMap<KeyId, Arc<Key>>,
+    memberships: Arc<Memberships>,
+}
+
+impl Everyone {
+    fn find(&self, id: KeyId) -> Option<Holder> {
+        let key = Arc::clone(self.keys.get(&id)?);
+        Some(Holder { key, memberships: Arc::clone(&self.memberships) })
+    }
+}
+
+type Known = Arc<Everyone>;
 
 /// Keys as they were read.
 #[derive(Debug, Default)]
@@ -59,11 +81,11 @@ impl KeyRing {
     ///
     /// # Errors
     /// If the store cannot be read: then no key counts.
-    pub(crate) async fn find(&self, id: KeyId) -> Result<Option<Arc<Key>>> {
-        if let Some(key) = self.known(FRESH).and_then(|keys| keys.get(&id).cloned()) {
-            return Ok(Some(key));
+    pub(crate) async fn find(&self, id: KeyId) -> Result<Option<Holder>> {
+        if let Some(holder) = self.known(FRESH).and_then(|known| known.find(id)) {
+            return Ok(Some(holder));
         }
-        Ok(self.read(FRESH_IF_UNKNOWN).await?.get(&id).cloned())
+        Ok(self.read(FRESH_IF_UNKNOWN).await?.find(id))
     }
 
     /// Notes that a key is used now.
@@ -88,7 +110,7 @@ impl KeyRing {
         Ok(self.store.keys().used(&uses.into_iter().collect::<Vec<_>>()).await?)
     }
 
-    /// Forgets what was read: keys have changed here.
+    /// Forgets what was read: keys or projects have changed here.
     pub(crate) fn forget(&self) {
         let mut known = self.inner.known.write().unwrap_or_else(PoisonError::into_inner);
         known.keys = None;
@@ -109,9 +131,10 @@ impl KeyRing {
         }
         let changes = self.inner.known.read().unwrap_or_else(PoisonError::into_inner).changes;
         let read = Instant::now();
+        let memberships = Arc::new(self.store.projects().memberships().await?);
         let keys = self.store.keys().all().await?;
-        let keys: HashMap<_, _> = keys.into_iter().map(|key| (key.id, Arc::new(key))).collect();
-        let keys = Arc::new(keys);
+        let keys = keys.into_iter().map(|key| (key.id, Arc::new(key))).collect();
+        let keys = Arc::new(Everyone { keys, memberships });
         let mut known = self.inner.known.write().unwrap_or_else(PoisonError::into_inner);
         if known.changes == changes {
             known.keys = Some((keys.clone(), read));

@@ -1,6 +1,25 @@
 use bendtwin_core::{Fault, ids::KeyId};
+use bendtwin_store::Key;
 
 use super::*;
+
+/// The holder of a key of owner `b` with these scopes.
+fn with(scopes: &[&str]) -> Caller {
+    let key = Key {
+        id: KeyId::generate(),
+        display_name: "a".to_owned(),
+        owner: "b".to_owned(),
+        hash: blake3::hash(b"c"),
+        scopes: scopes.iter().map(|scope| (*scope).to_owned()).collect(),
+        quotas: Quotas::default(),
+        created: jiff::Timestamp::UNIX_EPOCH,
+        expires: None,
+        revoked: None,
+        used: None,
+    };
+    let holder = Holder { key: Arc::new(key), memberships: Arc::default() };
+    Caller::with_key(&holder, InFlight::default())
+}
 
 fn reason(result: Result<(), Refusal>) -> Option<Fault> {
     let context = crate::context::Context::default();
@@ -11,7 +30,7 @@ fn reason(result: Result<(), Refusal>) -> Option<Fault> {
 fn scopes_allow_what_they_name_and_nothing_else() {
     for scope in Scope::ALL {
         assert_eq!(Scope::parse(scope.as_str()), Some(scope));
-        let caller = Caller { scopes: [scope].into_iter().collect(), ..Caller::default() };
+        let caller = with(&[scope.as_str()]);
         for other in Scope::ALL {
             let refused = reason(caller.require(Some(Access::Scope(other))));
             match refused {
@@ -25,6 +44,28 @@ fn scopes_allow_what_they_name_and_nothing_else() {
         }
     }
     assert_eq!(Scope::parse("all"), None);
+}
+
+#[test]
+fn a_bound_scope_is_for_the_owner_alone() {
+    for scope in Scope::ALL.into_iter().filter(|scope| *scope != Scope::Admin) {
+        let bound = format!("{}:own", scope.as_str());
+        let caller = with(&[&bound]);
+        assert!(reason(caller.require(Some(Access::Scope(scope)))).is_none(), "{bound}");
+        assert!(caller.reaches(scope, "b") && caller.bound(scope).as_deref() == Some("b"));
+        for other in ["c", "", "B"] {
+            assert!(!caller.reaches(scope, other), "{bound}, {other}");
+        }
+        // The wider of two counts.
+        let caller = with(&[scope.as_str(), &bound]);
+        assert!(caller.reaches(scope, "c") && caller.reaches(scope, ""));
+        assert_eq!(caller.bound(scope), None);
+        // Without the scope nothing is reached, one's own included.
+        assert!(!with(&[]).reaches(scope, "b"));
+    }
+    for word in ["admin:own", ":own", "captures:read:own:own", "captures:own"] {
+        assert_eq!(Grant::parse(word), None, "{word}");
+    }
 }
 
 #[test]
@@ -50,19 +91,7 @@ fn what_is_refused_without_end_is_noted_once() {
 
 #[test]
 fn words_that_are_no_scopes_allow_nothing() {
-    let key = Key {
-        id: KeyId::generate(),
-        display_name: "a".to_owned(),
-        owner: "b".to_owned(),
-        hash: blake3::hash(b"c"),
-        scopes: vec!["everything".to_owned(), "twins:read".to_owned()],
-        quotas: Quotas::default(),
-        created: jiff::Timestamp::UNIX_EPOCH,
-        expires: None,
-        revoked: None,
-        used: None,
-    };
-    let caller = Caller::with_key(&key, InFlight::default());
-    assert_eq!((caller.key, &*caller.owner), (Some(key.id), "b"));
-    assert_eq!(caller.scopes, [Scope::TwinsRead].into_iter().collect());
+    let caller = with(&["everything", "twins:read"]);
+    assert!(caller.key.is_some());
+    assert_eq!(caller.scopes, ["twins:read"].into_iter().filter_map(Grant::parse).collect());
 }

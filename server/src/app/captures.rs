@@ -11,7 +11,7 @@ use bendtwin_proto::v1::{
 use bendtwin_store::{Capture, CaptureFacts, Content, Creator, NewCapture, Overview, Page, Staged};
 
 use super::{App, Body, Error, Result};
-use crate::{audit, context::Context};
+use crate::{access::Scope, audit, context::Context};
 
 impl App {
     pub(crate) async fn create_capture(
@@ -55,7 +55,7 @@ impl App {
     }
 
     pub(crate) async fn capture(&self, name: &str) -> Result<Overview> {
-        Ok(self.store.captures().overview(super::name(name)?).await?)
+        Ok(self.store.captures().overview(self.reach(Scope::CapturesRead, name).await?).await?)
     }
 
     pub(crate) async fn captures(&self, request: ListCapturesRequest) -> Result<Page<Overview>> {
@@ -65,7 +65,8 @@ impl App {
     pub(crate) async fn update_capture(&self, request: UpdateCaptureRequest) -> Result<Overview> {
         let name = request.capture.as_ref().map(|capture| capture.name.clone()).unwrap_or_default();
         let done: Result<Overview> = async {
-            let (id, change) = (super::name(&name)?, facts::change(request)?);
+            let id = self.reach(Scope::CapturesWrite, &name).await?;
+            let change = facts::change(request)?;
             self.require_room(0)?;
             let store = self.store.clone();
             self.change(async move { store.captures().update(id, &change).await }).await?;
@@ -77,12 +78,12 @@ impl App {
     }
 
     pub(crate) async fn capture_content(&self, name: &str) -> Result<(Capture, Content)> {
-        Ok(self.store.captures().content(super::name(name)?).await?)
+        Ok(self.store.captures().content(self.reach(Scope::CapturesRead, name).await?).await?)
     }
 
     pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
         let done: Result<()> = async {
-            let id: CaptureId = super::name(name)?;
+            let id: CaptureId = self.reach(Scope::CapturesWrite, name).await?;
             let store = self.store.clone();
             self.change(async move { store.captures().delete(id).await }).await?;
             tracing::info!(capture = %id, "capture deleted");

@@ -17,7 +17,7 @@ use super::{
     labels::{self, Listing, ORDERS},
     requirements,
 };
-use crate::{audit, context::Context, dispatch::FitRoom};
+use crate::{access::Scope, audit, context::Context, dispatch::FitRoom};
 
 /// Largest report that is read for the size of its capture [bytes].
 const LARGEST_REPORT: u64 = 8 << 20;
@@ -52,11 +52,12 @@ impl App {
             self.require_room(0)?;
             let display_name = labels::display_name(display_name)?;
             requirements::check(&requirements)?;
-            let capture = super::name(&capture)?;
+            let capture = self.reach(Scope::FitsWrite, &capture).await?;
             let settings = settings(&settings_json, self.options.limits.json_bytes)?;
             if let Some(twin) = &settings.start_from {
                 // Unknown names are reported before the fit waits.
-                self.store.twins().get(super::name(twin)?).await?;
+                let twin = self.reach(Scope::FitsWrite, twin).await?;
+                self.store.twins().get(twin).await?;
             }
             self.check_memory(capture, &settings).await?;
             let (settings, version) = since::for_workers(&settings)?;
@@ -129,27 +130,31 @@ impl App {
     }
 
     pub(crate) async fn fit(&self, name: &str) -> Result<Job> {
-        Ok(self.store.jobs().get(super::name::<FitId>(name)?).await?)
+        let id: FitId = self.reach(Scope::FitsRead, name).await?;
+        Ok(self.store.jobs().get(id).await?)
     }
 
     pub(crate) async fn fits(&self, listing: Listing) -> Result<Page<Job>> {
-        Ok(self.store.jobs().fits(&listing.query(&ORDERS)?).await?)
+        Ok(self.store.jobs().fits(&listing.query(Scope::FitsRead, &ORDERS)?).await?)
     }
 
     pub(crate) async fn fit_losses(&self, name: &str) -> Result<Vec<ModelLoss>> {
-        Ok(self.store.jobs().losses(super::name(name)?).await?)
+        Ok(self.store.jobs().losses(self.reach(Scope::FitsRead, name).await?).await?)
     }
 
     pub(crate) async fn cancel_fit(&self, name: &str) -> Result<Job> {
-        let done: Result<Job> =
-            async { Ok(self.store.jobs().cancel(super::name::<FitId>(name)?).await?) }.await;
+        let done: Result<Job> = async {
+            let id: FitId = self.reach(Scope::FitsWrite, name).await?;
+            Ok(self.store.jobs().cancel(id).await?)
+        }
+        .await;
         audit::changed("CancelFit", name, &done);
         done
     }
 
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
         let done: Result<()> = async {
-            let id: FitId = super::name(name)?;
+            let id: FitId = self.reach(Scope::FitsWrite, name).await?;
             let store = self.store.clone();
             self.change(async move { store.jobs().delete(id).await }).await
         }

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use bendtwin_budget::Share;
 use bendtwin_contract::rollout;
-use bendtwin_core::{Graph, Skin, Twin as TwinFile, geometry::distance};
+use bendtwin_core::{Graph, Skin, Twin as TwinFile, geometry::distance, ids::TwinId};
 use bendtwin_proto::v1::{Plane, Tensor, TwinGeometry, twin_geometry};
 use futures::TryStreamExt as _;
 use prost::Message as _;
 
 use super::{App, Error, Result};
+use crate::access::Scope;
 
 /// The geometry of a twin, and its memory.
 pub(crate) struct Geometry {
@@ -20,7 +21,12 @@ pub(crate) struct Geometry {
 impl App {
     /// The geometry of a twin, `as_lists` if it is to be written as nested lists of JSON.
     pub(crate) async fn twin_geometry(&self, name: &str, as_lists: bool) -> Result<Geometry> {
-        let (_, content) = self.twin_content(name).await?;
+        self.geometry_of(self.reach(Scope::TwinsRead, name).await?, as_lists).await
+    }
+
+    /// The geometry of a twin that the caller reaches.
+    pub(super) async fn geometry_of(&self, twin: TwinId, as_lists: bool) -> Result<Geometry> {
+        let (_, content) = self.store.twins().content(twin).await?;
         let share = self.memory.twin_file(content.size_bytes).await?;
         let chunks: Vec<_> = content.chunks.try_collect().await?;
         let read = tokio::task::spawn_blocking(move || {

@@ -13,7 +13,7 @@ use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
 use super::{App, Error, Result, jobs::results, requirements};
-use crate::{audit, context::Context};
+use crate::{access::Scope, audit, context::Context};
 
 /// Longest verdict.
 const MAX_VERDICT: usize = 32;
@@ -86,7 +86,7 @@ impl App {
             let context = Context::current();
             let Ingest { settings, requirements } = self.ingest(settings_json, requirements)?;
             let new = NewIngest {
-                capture: super::name(name)?,
+                capture: self.reach(Scope::CapturesWrite, name).await?,
                 settings,
                 requirements,
                 request_id: super::request_id(request_id)?,
@@ -105,7 +105,7 @@ impl App {
     /// Asks the ingest of a capture to stop.
     pub(crate) async fn cancel_ingest(&self, name: &str) -> Result<Overview> {
         let done: Result<Overview> = async {
-            let id: CaptureId = super::name(name)?;
+            let id: CaptureId = self.reach(Scope::CapturesWrite, name).await?;
             let ingest = self.store.jobs().ingest_of(id).await?;
             self.store.jobs().cancel(ingest.id).await?;
             Ok(self.store.captures().overview(id).await?)
@@ -117,7 +117,8 @@ impl App {
 
     /// The report of a capture, as a document or as a page.
     pub(crate) async fn capture_report(&self, name: &str, page: bool) -> Result<Content> {
-        Ok(self.store.captures().report_content(super::name(name)?, page).await?)
+        let id = self.reach(Scope::CapturesRead, name).await?;
+        Ok(self.store.captures().report_content(id, page).await?)
     }
 
     /// The observation of a capture, which its ingest made.
@@ -125,20 +126,20 @@ impl App {
         &self,
         name: &str,
     ) -> Result<(CaptureId, Observation, Content)> {
-        let id: CaptureId = super::name(name)?;
+        let id: CaptureId = self.reach(Scope::CapturesRead, name).await?;
         let (observation, content) = self.store.captures().observation_content(id).await?;
         Ok((id, observation, content))
     }
 
     /// The playback of a capture, which its ingest made.
     pub(crate) async fn playback(&self, name: &str) -> Result<(CaptureId, Content)> {
-        let id: CaptureId = super::name(name)?;
+        let id: CaptureId = self.reach(Scope::CapturesRead, name).await?;
         Ok((id, self.store.captures().playback_content(id).await?))
     }
 
     /// The masks of a capture, which its ingest made of strokes.
     pub(crate) async fn masks(&self, name: &str) -> Result<(CaptureId, Content)> {
-        let id: CaptureId = super::name(name)?;
+        let id: CaptureId = self.reach(Scope::CapturesRead, name).await?;
         Ok((id, self.store.captures().masks_content(id).await?))
     }
 

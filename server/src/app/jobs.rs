@@ -41,8 +41,8 @@ impl std::str::FromStr for Downloadable {
     fn from_str(name: &str) -> Result<Self> {
         match name.split_once('/').map(|(collection, _)| collection) {
             Some("captures") => of_capture(name),
-            Some("twins") => Ok(Self::Twin(super::name(name)?)),
-            Some("fits" | "ingests") => Ok(Self::Checkpoint(super::name(name)?)),
+            Some("twins") => Ok(Self::Twin(super::name_of_worker(name)?)),
+            Some("fits" | "ingests") => Ok(Self::Checkpoint(super::name_of_worker(name)?)),
             _ => Err(Error::invalid("name", "names no capture, twin or job")),
         }
     }
@@ -51,15 +51,18 @@ impl std::str::FromStr for Downloadable {
 /// A content of a capture.
 fn of_capture(name: &str) -> Result<Downloadable> {
     if let Some(capture) = name.strip_suffix("/observation") {
-        return Ok(Downloadable::Observation(super::name(capture)?));
+        return Ok(Downloadable::Observation(super::name_of_worker(capture)?));
     }
     // Before the masks: they are a supplement, too.
     if let Some((capture, kind)) = name.split_once("/supplements/") {
-        return Ok(Downloadable::Supplement(super::name(capture)?, supplements::kind(kind)?));
+        return Ok(Downloadable::Supplement(
+            super::name_of_worker(capture)?,
+            supplements::kind(kind)?,
+        ));
     }
     match name.strip_suffix("/masks") {
-        Some(capture) => Ok(Downloadable::Masks(super::name(capture)?)),
-        None => Ok(Downloadable::Capture(super::name(name)?)),
+        Some(capture) => Ok(Downloadable::Masks(super::name_of_worker(capture)?)),
+        None => Ok(Downloadable::Capture(super::name_of_worker(name)?)),
     }
 }
 

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 
 use super::{App, Error, Result, labels};
 use crate::{
-    access::{Scope, key},
+    access::{Grant, Scope, key},
     audit,
 };
 
@@ -81,11 +81,14 @@ impl App {
 }
 
 fn check_scopes(scopes: &[String]) -> Result<()> {
-    let words = || Scope::ALL.map(Scope::as_str).join(", ");
+    let words = || {
+        let words = Scope::ALL.map(Scope::as_str).join(", ");
+        format!("{words}; each but admin may end in `:own`")
+    };
     if scopes.is_empty() {
         return Err(Error::invalid("scopes", format!("is empty: name some of {}", words())));
     }
-    match scopes.iter().find(|word| Scope::parse(word).is_none()) {
+    match scopes.iter().find(|word| Grant::parse(word).is_none()) {
         None => Ok(()),
         Some(word) => {
             let word: String = word.chars().take(40).collect();

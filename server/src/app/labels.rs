@@ -7,8 +7,8 @@ use bendtwin_store::{
 };
 use prost_types::FieldMask;
 
-use super::{App, Error, Result};
-use crate::audit;
+use super::{App, Error, Result, rights};
+use crate::{access::Scope, audit};
 
 /// Longest text of one line, such as a display name [characters].
 const LINE_LENGTH: usize = 200;
@@ -115,8 +115,8 @@ impl GivenLabels {
 }
 
 impl Listing {
-    /// The query, ordered by one of these keys.
-    pub(super) fn query(self, keys: &[(&str, OrderKey)]) -> Result<ListQuery> {
+    /// The query, confined to what the caller reaches with a scope and ordered by one of these keys.
+    pub(super) fn query(self, scope: Scope, keys: &[(&str, OrderKey)]) -> Result<ListQuery> {
         let Self { page, search, tag, capture, state, owner, order_by } = self;
         if search.chars().count() > SEARCH_LENGTH {
             let fault = format!("is longer than {SEARCH_LENGTH} characters");
@@ -124,7 +124,8 @@ impl Listing {
         }
         let capture: Option<CaptureId> = super::optional_name(&capture)?;
         let (owner, order) = (self::owner(owner)?, order(&order_by, keys)?);
-        Ok(ListQuery { search, tag, capture, state, owner, order, ..page.into() })
+        let shared_with = rights::confined(scope);
+        Ok(ListQuery { search, tag, capture, state, owner, order, shared_with, ..page.into() })
     }
 }
 
@@ -212,7 +213,8 @@ impl App {
         let Fit { name, display_name, note, tags, .. } = fit.unwrap_or_default();
         let given = GivenLabels { display_name, note, tags, add_tags, remove_tags };
         let done: Result<Job> = async {
-            let (id, change): (FitId, _) = (super::name(&name)?, given.whole_change(update_mask)?);
+            let id: FitId = self.reach(Scope::FitsWrite, &name).await?;
+            let change = given.whole_change(update_mask)?;
             self.require_room(0)?;
             let store = self.store.clone();
             self.change(async move { store.jobs().update_fit(id, &change).await }).await
@@ -227,7 +229,8 @@ impl App {
         let v1::Twin { name, display_name, note, tags, .. } = twin.unwrap_or_default();
         let given = GivenLabels { display_name, note, tags, add_tags, remove_tags };
         let done: Result<Twin> = async {
-            let (id, change) = (super::name(&name)?, given.whole_change(update_mask)?);
+            let id = self.reach(Scope::TwinsWrite, &name).await?;
+            let change = given.whole_change(update_mask)?;
             self.require_room(0)?;
             let store = self.store.clone();
             self.change(async move { store.twins().update(id, &change).await }).await

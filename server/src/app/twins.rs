@@ -8,7 +8,7 @@ use super::{
     App, Body, Result,
     labels::{Listing, ORDERS},
 };
-use crate::{audit, context::Context};
+use crate::{access::Scope, audit, context::Context};
 
 impl App {
     /// Imports a twin file after checking all of it.
@@ -33,20 +33,20 @@ impl App {
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
-        Ok(self.store.twins().get(super::name(name)?).await?)
+        Ok(self.store.twins().get(self.reach(Scope::TwinsRead, name).await?).await?)
     }
 
     pub(crate) async fn twins(&self, listing: Listing) -> Result<Page<Twin>> {
-        Ok(self.store.twins().list(&listing.query(&ORDERS)?).await?)
+        Ok(self.store.twins().list(&listing.query(Scope::TwinsRead, &ORDERS)?).await?)
     }
 
     pub(crate) async fn twin_content(&self, name: &str) -> Result<(Twin, Content)> {
-        Ok(self.store.twins().content(super::name(name)?).await?)
+        Ok(self.store.twins().content(self.reach(Scope::TwinsRead, name).await?).await?)
     }
 
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let done: Result<()> = async {
-            let id: TwinId = super::name(name)?;
+            let id: TwinId = self.reach(Scope::TwinsWrite, name).await?;
             let store = self.store.clone();
             self.change(async move { store.twins().delete(id).await }).await?;
             self.dispatch.forget_twin(id);

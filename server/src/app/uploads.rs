@@ -15,8 +15,8 @@ use bendtwin_store::{
 use futures::StreamExt as _;
 use tracing::Instrument as _;
 
-use super::{App, Body, Error, Result};
-use crate::{audit, context::Context};
+use super::{App, Body, Error, Result, rights};
+use crate::{access::Scope, audit, context::Context};
 
 pub(crate) use checksum::{ALGORITHMS, Checksum};
 use metadata::Metadata;
@@ -26,6 +26,8 @@ pub(crate) fn capture_name(metadata: &str) -> Result<String> {
     super::labels::display_name(Metadata::parse(metadata)?.capture.display_name)
 }
 
+/// Scope of all calls about uploads.
+const SCOPE: Scope = Scope::CapturesWrite;
 /// Time for which a request waits for the request before it to release the upload.
 const CLAIM_TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of bytes after which received content is made durable.
@@ -86,18 +88,18 @@ impl App {
     }
 
     pub(crate) async fn uploads(&self, page: &PageRequest) -> Result<Page<ResumableUpload>> {
-        Ok(self.store.uploads().list(page).await?)
+        Ok(self.store.uploads().list(page, rights::confined(SCOPE).as_deref()).await?)
     }
 
     /// An upload in its current state; a request that sends to it is not interrupted.
     pub(crate) async fn upload(&self, name: &str) -> Result<ResumableUpload> {
-        Ok(self.store.uploads().get(super::name(name)?).await?)
+        Ok(self.store.uploads().get(self.reach(SCOPE, name).await?).await?)
     }
 
     /// Prepares to resume: a request that still sends to the upload is asked to stop, because its
     /// connection may be dead. Makes the capture if only that is missing.
     pub(crate) async fn resume_upload(&self, name: &str) -> Result<ResumableUpload> {
-        let (app, id) = (self.clone(), super::name(name)?);
+        let (app, id) = (self.clone(), self.reach(SCOPE, name).await?);
         let quotas = Context::current().caller.quotas;
         run_detached(async move {
             let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
@@ -113,7 +115,7 @@ impl App {
         name: &str,
         append: Append,
     ) -> Result<ResumableUpload> {
-        let (app, id) = (self.clone(), super::name(name)?);
+        let (app, id) = (self.clone(), self.reach(SCOPE, name).await?);
         let quotas = Context::current().caller.quotas;
         run_detached(async move {
             let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
@@ -126,7 +128,7 @@ impl App {
     /// Terminates an upload and frees its storage; a capture that it made stays.
     pub(crate) async fn terminate_upload(&self, name: &str) -> Result<()> {
         let done: Result<()> = async {
-            let (app, id) = (self.clone(), super::name(name)?);
+            let (app, id) = (self.clone(), self.reach(SCOPE, name).await?);
             run_detached(async move {
                 let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
                 let keep = app.keep(writer.upload().offset_bytes, None);

@@ -8,6 +8,7 @@ use futures::{Stream, StreamExt, stream};
 use tokio::sync::broadcast::{Receiver, error::RecvError};
 
 use super::{App, Error, Result};
+use crate::access::Scope;
 
 /// Time after which a job is read again without a notification, where other servers may have
 /// changed it and their notifications come over a connection.
@@ -30,7 +31,7 @@ impl App {
         name: &str,
         after: u64,
     ) -> Result<impl Stream<Item = Result<Job>> + Send + use<>> {
-        let id: FitId = super::name(name)?;
+        let id: FitId = self.reach(Scope::FitsRead, name).await?;
         // Listen first, read second: no change in between is missed.
         let changes = self.store.jobs().changes();
         let fit = self.store.jobs().get(id).await?;
@@ -43,7 +44,7 @@ impl App {
         name: &str,
         after: u64,
     ) -> Result<impl Stream<Item = Result<Overview>> + Send + use<>> {
-        let id: CaptureId = super::name(name)?;
+        let id: CaptureId = self.reach(Scope::CapturesRead, name).await?;
         let changes = self.store.jobs().changes();
         let ingest = self.store.captures().overview(id).await?.ingest;
         let app = self.clone();

@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashMap,
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
 
@@ -146,9 +146,11 @@ pub(crate) struct Heartbeat {
 }
 
 /// Facts of a session that lives at a worker.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct HeldSession {
     pub(crate) twin: TwinId,
+    /// The owner that opened it; empty if it is not known.
+    pub(crate) owner: Arc<str>,
     pub(crate) slots: u32,
     /// Surroundings of the session, for rollouts that name none themselves.
     pub(crate) parts: SessionParts,
@@ -176,7 +178,13 @@ impl Live {
     fn take_sessions(&mut self, mut sessions: HashMap<SessionId, HeldSession>) {
         self.opened.retain(|_, opened| opened.elapsed() < UNDER_WAY);
         let new = self.sessions.iter().filter(|(id, _)| self.opened.contains_key(id));
-        sessions.extend(new.map(|(id, held)| (*id, *held)));
+        sessions.extend(new.map(|(id, held)| (*id, held.clone())));
+        // Workers of earlier versions do not know the owner.
+        for (id, held) in &mut sessions {
+            if let Some(known) = self.sessions.get(id).filter(|_| held.owner.is_empty()) {
+                held.owner = Arc::clone(&known.owner);
+            }
+        }
         self.sessions = sessions;
     }
 
@@ -329,7 +337,7 @@ impl Entry {
 
     /// A session that lives there.
     pub(super) fn session(&self, session: SessionId) -> Option<HeldSession> {
-        self.live().sessions.get(&session).copied()
+        self.live().sessions.get(&session).cloned()
     }
 
     /// Notes a session that has begun there.

@@ -40,6 +40,16 @@ use crate::{
 const LONGEST: Duration = Duration::from_secs(600);
 
 impl Dispatch {
+    /// The owner that opened a session; empty if it is not known.
+    pub(crate) async fn session_owner(&self, session: SessionId) -> Result<Arc<str>> {
+        Ok(self.session(session).await?.1.owner)
+    }
+
+    /// The twin of a session.
+    pub(crate) async fn session_twin(&self, session: SessionId) -> Result<TwinId> {
+        Ok(self.session(session).await?.1.twin)
+    }
+
     /// The worker that has a session, and what is known of it.
     pub(super) async fn session(&self, session: SessionId) -> Result<(Arc<Entry>, HeldSession)> {
         if let Some(found) = self.known_session(session) {
@@ -169,7 +179,8 @@ impl Dispatch {
         let (entry, reply) = opened.await?;
         let session = described(reply)?;
         let id: SessionId = session.name.parse().map_err(|_| Error::WorkerEnded)?;
-        entry.opened(id, HeldSession { twin, slots: session.slots, parts });
+        let owner = Context::current().caller.owner;
+        entry.opened(id, HeldSession { twin, owner, slots: session.slots, parts });
         Ok(session)
     }
 
@@ -308,8 +319,9 @@ impl Dispatch {
         timeout: Option<Duration>,
     ) -> Result<Option<ManageSessionResponse>> {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
-        let request_id = Context::current().request_id;
-        let message = ManageSessionRequest { call: Some(call), capture, request_id };
+        let Context { request_id, caller, .. } = Context::current();
+        let owner = caller.owner.to_string();
+        let message = ManageSessionRequest { call: Some(call), capture, request_id, owner };
         let sent = call::send(entry, message, deadline, |mut client, request| async move {
             client.manage_session(request).await
         });

@@ -145,7 +145,7 @@ impl Dispatch {
         let Step { request, timeout, as_lists, memory } = step;
         let StepSessionRequest { name, slot, correction, search, execute_frames, returns, .. } =
             request;
-        let (_, _, HeldSession { twin, slots, parts }) = self.named(&name).await?;
+        let (_, _, HeldSession { twin, slots, parts, .. }) = self.named(&name).await?;
         if slot >= slots {
             let fault = format!("is {slot}: the session has {slots} slots (counted from 0)");
             return Err(Error::invalid("slot", fault));

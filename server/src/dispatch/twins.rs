@@ -16,8 +16,9 @@ use crate::app::Result;
 const REMEMBERED: usize = 1024;
 
 /// Facts of a twin.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct TwinSummary {
+    pub(super) owner: Arc<str>,
     /// The capture that it was fitted to, unless it was imported.
     pub(super) capture: Option<CaptureId>,
     pub(super) shape: TwinShape,
@@ -33,14 +34,14 @@ impl Twins {
     /// The facts of a twin, from the database if need be.
     pub(super) async fn get(&self, store: &Store, id: TwinId) -> Result<TwinSummary> {
         if let Some(known) = self.lock().get(&id) {
-            return Ok(*known);
+            return Ok(known.clone());
         }
         let known = TwinSummary::from(&store.twins().get(id).await?);
         let mut twins = self.lock();
         if twins.len() >= REMEMBERED {
             twins.clear();
         }
-        twins.insert(id, known);
+        twins.insert(id, known.clone());
         Ok(known)
     }
 
@@ -68,7 +69,12 @@ impl From<&Twin> for TwinSummary {
             planner: planner(&facts.quality),
             has_capture: twin.capture.is_some(),
         };
-        Self { capture: twin.capture, shape, frame_s: facts.fps.recip() }
+        Self {
+            owner: twin.owner.as_str().into(),
+            capture: twin.capture,
+            shape,
+            frame_s: facts.fps.recip(),
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::{json::timestamp as time, v1};
 use bendtwin_store::{
-    Job, Key, Overview, PageRequest, Quotas, Requirements, State, Supplement, Twin,
+    Job, Key, Overview, PageRequest, Project, Quotas, Requirements, State, Supplement, Twin,
 };
 use jiff::Timestamp;
 
@@ -276,5 +276,14 @@ pub(super) fn key(key: Key) -> v1::Key {
         revoke_time: key.revoked.map(time),
         last_use_time: key.used.map(time),
         quotas: Some(v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }),
+    }
+}
+
+pub(super) fn project(project: Project) -> v1::Project {
+    v1::Project {
+        name: project.id.to_string(),
+        display_name: project.display_name,
+        members: project.members,
+        create_time: Some(time(project.created)),
     }
 }

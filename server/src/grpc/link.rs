@@ -30,7 +30,7 @@ use crate::{
 
 /// The lease under which a worker writes.
 fn lease(shown: &Credentials, worker: &str, job: &str, epoch: u64) -> app::Result<Lease> {
-    Ok(Lease { job: app::name(job)?, epoch, worker: shown.worker(worker)? })
+    Ok(Lease { job: app::name_of_worker(job)?, epoch, worker: shown.worker(worker)? })
 }
 
 fn lease_of(shown: &Credentials, write: &JobWrite) -> app::Result<Lease> {

@@ -158,8 +158,7 @@ impl SessionService for Api {
 
 /// The name of a session, of which HTTP gives the last part alone.
 fn session_name(given: &str) -> app::Result<String> {
-    let session: SessionId = app::name(given)?;
-    Ok(session.to_string())
+    app::whole_name::<SessionId>(given)
 }
 
 /// A stream that ends after its first error. The memory of a reply is held until the next one is

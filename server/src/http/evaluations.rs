@@ -19,7 +19,7 @@ pub(super) async fn create(
     Params(params): Params<ReplyParams>,
     extract::Json(Read(mut request)): extract::Json<Read<EvaluateTwinRequest>>,
 ) -> Result<Response> {
-    let twin: TwinId = app::name(&id)?;
+    let twin = app::whole_name::<TwinId>(&id)?;
     request.twin = of_twin(twin, &request.twin)?;
     let evaluation = app.evaluate_twin(request, params.timeout()?).await?;
     let share = app.reply_memory(evaluation.encoded_len() as u64).await?;

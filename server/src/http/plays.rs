@@ -66,7 +66,7 @@ impl Upgrade {
 
 /// Play with a twin
 pub(super) async fn play(State(app): State<App>, Id(id): Id, upgrade: Upgrade) -> Result<Response> {
-    let twin = app.twin(&id).await?.id;
+    let twin = app.twin_to_play(&id).await?;
     let context = Context::current();
     let socket = upgrade.bounded(FIRST_BYTES);
     Ok(socket.on_upgrade(move |socket| context.scope(socket::play(app, twin, socket))))
@@ -78,14 +78,14 @@ pub(super) async fn watch(
     Id(id): Id,
     upgrade: Upgrade,
 ) -> Result<Response> {
-    let view = app.watch_play(&id)?;
+    let view = app.watch_play(&id).await?;
     let socket = upgrade.bounded(WATCHER_BYTES);
     Ok(socket.on_upgrade(move |socket| socket::watch(app, view, socket)))
 }
 
 /// Recording of a play
 pub(super) async fn recording(State(app): State<App>, Id(id): Id) -> Result<Response> {
-    let play = app.play(&id)?;
+    let play = app.play(&id).await?;
     let recording = play.recording().map_err(Error::from)?;
     let held = app.reply_memory(recording.document_bytes()).await?;
     let (twin, frame_s) = (play.twin(), play.frame_s());
@@ -103,7 +103,7 @@ pub(super) async fn put_recording(
     Id(id): Id,
     request: Request,
 ) -> Result<StatusCode> {
-    let play = app.play(&id)?;
+    let play = app.play(&id).await?;
     extract::expect_type(request.headers(), &["application/json"])?;
     let most = app.options().limits.rollout.json_bytes;
     let received = extract::whole(&app, request, Kind::Json, most, |_| Ok(())).await?;

@@ -24,7 +24,7 @@ pub(super) async fn register(
     Params(params): Params<ReplyParams>,
     request: Request,
 ) -> Result<Response> {
-    let twin: TwinId = app::name(&id)?;
+    let twin = app::whole_name::<TwinId>(&id)?;
     let body: Body<RegisterStateRequest> =
         Body::read(&app, request, Encoded::Register, params.tensors()).await?;
     let Body { message, memory, form } = body;

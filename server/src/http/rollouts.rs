@@ -67,7 +67,7 @@ struct Asked {
 
 /// Reads the request for a rollout of a twin.
 async fn read(app: &App, id: &str, params: &ReplyParams, request: Request) -> Result<Asked> {
-    let twin: TwinId = app::name(id)?;
+    let twin = app::whole_name::<TwinId>(id)?;
     let body: Body<RollOutRequest> =
         Body::read(app, request, Encoded::RollOut, params.tensors()).await?;
     let Body { message, memory, form } = body;
@@ -79,8 +79,7 @@ async fn read(app: &App, id: &str, params: &ReplyParams, request: Request) -> Re
 }
 
 /// The twin that a path names, and no other that the body does.
-pub(super) fn of_twin(twin: TwinId, given: &str) -> Result<String> {
-    let named = twin.to_string();
+pub(super) fn of_twin(named: String, given: &str) -> Result<String> {
     if !given.is_empty() && given != named {
         let fault = format!("is {given}, the path names {named}: leave it out");
         return Err(Error::invalid("twin", fault).into());

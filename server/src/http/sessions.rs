@@ -155,8 +155,7 @@ pub(super) async fn step(
 
 /// The session that a path names, and no other that the body does.
 fn name(id: &str, given: String) -> Result<String> {
-    let session: SessionId = app::name(id)?;
-    let named = session.to_string();
+    let named = app::whole_name::<SessionId>(id)?;
     if !given.is_empty() && given != named {
         let fault = format!("is {given}, the path names {named}: leave it out");
         return Err(Error::invalid("name", fault).into());

@@ -2,6 +2,9 @@
 
 mod audit;
 pub(super) mod keys;
+mod own;
+mod projects;
+mod requests;
 
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;

@@ -108,7 +108,8 @@ impl Play {
         Self { socket, ready, facts, replies: Vec::new(), draws: true }
     }
 
-    async fn expect_ready(&mut self) {
+    /// Waits for the first message of the server.
+    pub async fn expect_ready(&mut self) {
         match self.next().await {
             Event::Message(message) if message["type"] == "ready" => self.ready = message,
             other => panic!("{other:?}"),

@@ -39,7 +39,7 @@ impl Inner {
     ) -> Result<(ManageSessionResponse, Option<Share>), Error> {
         let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
         let session = match call {
-            Call::Open(open) => self.open(open, request.capture, under_way).await?,
+            Call::Open(open) => self.open(open, request.capture, request.owner, under_way).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
             Call::States(states) => {
                 let (states, share) = self.states(&states).await?;
@@ -113,6 +113,7 @@ impl Inner {
         self: &Arc<Self>,
         open: OpenSessionRequest,
         capture: String,
+        owner: String,
         under_way: &Unary,
     ) -> Result<Arc<Session>, Error> {
         let twin = Error::parsed("twin", &open.twin)?;
@@ -128,6 +129,7 @@ impl Inner {
         .await?;
         let setup = Setup {
             twin,
+            owner,
             capture,
             fidelity: match open.fidelity() {
                 Fidelity::Unspecified | Fidelity::Exact => Fidelity::Exact,

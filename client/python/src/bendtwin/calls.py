@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -32,6 +32,7 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
+    Project,
     Requirements,
     TwinInfo,
     Worker,
@@ -47,6 +48,8 @@ from bendtwin.v1 import (
     fit_pb2_grpc,
     planning_pb2,
     planning_pb2_grpc,
+    project_pb2,
+    project_pb2_grpc,
     registration_pb2_grpc,
     rollout_pb2,
     rollout_pb2_grpc,
@@ -77,6 +80,7 @@ class Services:
         self.fits = fit_pb2_grpc.FitServiceStub(channel)
         self.twins = twin_pb2_grpc.TwinServiceStub(channel)
         self.workers = worker_pb2_grpc.WorkerServiceStub(channel)
+        self.projects = project_pb2_grpc.ProjectServiceStub(channel)
         self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
         self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
         self.evaluations = evaluation_pb2_grpc.EvaluationServiceStub(channel)
@@ -456,6 +460,54 @@ def plan(request: planning_pb2.PlanRequest) -> Call[PlanUpdate]:
 
 
 # Workers
+
+
+def create_project(display_name: str, members: Sequence[str]) -> Call[Project]:
+    """Makes a project."""
+    return Call(
+        lambda s: s.projects.CreateProject,
+        project_pb2.CreateProjectRequest(display_name=display_name, members=members),
+        Project.from_proto,
+    )
+
+
+def get_project(name: str) -> Call[Project]:
+    """A project."""
+    return Call(
+        lambda s: s.projects.GetProject,
+        project_pb2.GetProjectRequest(name=name),
+        Project.from_proto,
+    )
+
+
+def list_projects() -> Pages[Project]:
+    """The projects that the caller may see."""
+    return Pages(
+        lambda s: s.projects.ListProjects,
+        project_pb2.ListProjectsRequest(),
+        lambda page: [Project.from_proto(project) for project in page.projects],
+    )
+
+
+def update_project(
+    name: str, display_name: str | None, add: Sequence[str], remove: Sequence[str]
+) -> Call[Project]:
+    """Changes a project."""
+    return Call(
+        lambda s: s.projects.UpdateProject,
+        project_pb2.UpdateProjectRequest(
+            project=project_pb2.Project(name=name, display_name=display_name or ""),
+            add_members=add,
+            remove_members=remove,
+        ),
+        Project.from_proto,
+    )
+
+
+def delete_project(name: str) -> Call[None]:
+    """Deletes a project."""
+    request = project_pb2.DeleteProjectRequest(name=name)
+    return Call(lambda s: s.projects.DeleteProject, request, _nothing)
 
 
 def drain_worker(name: str) -> Call[Worker]:

@@ -295,6 +295,18 @@ class Worker(FromMessage):
 
 
 @dataclass(frozen=True)
+class Project(FromMessage):
+    """A set of owners who share what each of them has."""
+
+    #: projects/{uuid}.
+    name: str
+    display_name: str
+    #: Names of owners, sorted.
+    members: tuple[str, ...]
+    create_time: datetime | None
+
+
+@dataclass(frozen=True)
 class SessionInfo(FromMessage):
     """Facts of a session."""
 

@@ -8,6 +8,8 @@ import { readTags } from './tags';
 export interface Labelled extends Texts {
   readonly note: string;
   readonly tags: readonly string[];
+  /** Owner of the key with which it was made; empty if unknown. */
+  readonly owner: string;
 }
 
 /** Texts of one line that people state about a resource. */
@@ -55,7 +57,7 @@ export class LabelEditor<T extends Labelled> {
   }
 
   private show(focus = false): void {
-    const { note, tags } = this.#shown;
+    const { note, tags, owner } = this.#shown;
     const parts = [...TEXTS[this.list].map(({ label }) => label.toLowerCase()), 'note'].join(', ');
     const edit = h(
       'button',
@@ -63,7 +65,8 @@ export class LabelEditor<T extends Labelled> {
       `Edit ${parts} and tags`,
     );
     const stated = TEXTS[this.list].map(({ key, label }) => [key, label, this.#shown[key] ?? ''] as const);
-    const others = stated.filter(([key, , text]) => key !== 'display_name' && text !== '');
+    const about = [...stated, ['owner', 'Owner', owner] as const];
+    const others = about.filter(([key, , text]) => key !== 'display_name' && text !== '');
     this.element.replaceChildren(
       others.length > 0 ? facts(others.map(([, label, text]) => [label, h('bdi', {}, text)])) : '',
       note !== '' ? h('p', { class: 'note' }, h('bdi', {}, note)) : '',

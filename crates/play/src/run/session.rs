@@ -82,12 +82,14 @@ pub(super) async fn open(
     }
     // A state of a session says nothing of grasps until its first frame.
     let first = GivenState { grasping: None, ..first };
-    let play = Arc::new(play(twin, frame_s, geometry, &scene, &first)?);
+    let owner = host.owner().to_owned();
+    let play = Arc::new(play(twin, owner, frame_s, geometry, &scene, &first)?);
     Ok(NewPlay { play, session, scene, first })
 }
 
 fn play(
     twin: TwinId,
+    owner: String,
     frame_s: f64,
     geometry: &TwinGeometry,
     scene: &Scene,
@@ -116,6 +118,7 @@ fn play(
     Ok(Play {
         id,
         twin,
+        owner,
         frame_s,
         ready: ready.to_string(),
         states: watch::Sender::new(Bytes::new()),

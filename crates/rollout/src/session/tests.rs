@@ -10,6 +10,7 @@ fn start(x: f32) -> Start {
 fn session(slots: usize, idle: Duration) -> Session {
     let setup = Setup {
         twin: TwinId::generate(),
+        owner: String::new(),
         capture: String::new(),
         fidelity: v1::Fidelity::Exact,
         world: None,

@@ -128,6 +128,7 @@ pub(super) fn session(bench: &Bench, slots: usize) -> Session {
 pub(super) fn session_in(bench: &Bench, slots: usize, world: Option<World>) -> Session {
     let setup = Setup {
         twin: bench.warm.id,
+        owner: String::new(),
         capture: String::new(),
         fidelity: bendtwin_proto::v1::Fidelity::Exact,
         world,

@@ -17,6 +17,7 @@ use crate::{
     failpoint::Failpoint,
     keys::quotas::{self, More},
     labels::{self, Collection},
+    owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar},
     twins,
 };
@@ -55,8 +56,9 @@ impl Jobs<'_> {
         self.store.admit()?;
         let requirements = new.requirements.to_text()?;
         let mut tx = self.store.inner.database.write().await?;
-        if let Some(request_id) = &new.request_id
-            && let Some(row) = row::requested(&mut tx, request_id).await?
+        let request = RequestId::of(&new.creator.owner, new.request_id.as_deref());
+        if let Some(request) = request
+            && let Some(row) = row::requested(&mut tx, request).await?
         {
             let same_name = row.first_name() == new.display_name;
             let before = Job::try_from(row)?;
@@ -68,11 +70,11 @@ impl Jobs<'_> {
             {
                 return Ok(before);
             }
-            let (request_id, name) = (request_id.clone(), before.id.to_string());
+            let (request_id, name) = (request.id.to_owned(), before.id.to_string());
             return Err(Error::RequestIdTaken { request_id, name });
         }
         let kind = deleted_requests::Kind::Jobs;
-        deleted_requests::refuse(&mut tx, kind, new.request_id.as_deref(), None).await?;
+        deleted_requests::refuse(&mut tx, kind, request, None).await?;
         let capture = new.capture.uuid().to_string();
         let capture_name: Option<String> =
             query_scalar("select display_name from captures where id = $1")
@@ -91,6 +93,7 @@ impl Jobs<'_> {
         }
         let fault = ingest.as_ref().and_then(why_not);
         let now = self.store.now_micros();
+        let request_id = request_ids::text_in(request, &mut tx, "jobs").await?;
         let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
                  request_id, created_at, fault, ended_at, display_name, first_name, name_key,
@@ -105,7 +108,7 @@ impl Jobs<'_> {
         .bind(i64::from(new.priority))
         .bind(new.settings)
         .bind(new.trace_parent)
-        .bind(new.request_id)
+        .bind(request_id)
         .bind(now)
         .bind(fault.as_ref().map(row::to_json))
         .bind(fault.is_some().then_some(now))

@@ -16,6 +16,7 @@ use crate::{
     deleted_requests,
     failpoint::Failpoint,
     keys::quotas::{self, More},
+    owners::request_ids::{self, RequestId},
     sql::{Builder, Transaction, query, query_scalar},
 };
 
@@ -188,8 +189,9 @@ impl Jobs<'_> {
         let key = new.capture.uuid().to_string();
         let requirements = new.requirements.to_text()?;
         let mut tx = self.store.inner.database.write().await?;
-        if let Some(request_id) = &new.request_id
-            && let Some(row) = row::requested(&mut tx, request_id).await?
+        let request = RequestId::of(&new.creator.owner, new.request_id.as_deref());
+        if let Some(request) = request
+            && let Some(row) = row::requested(&mut tx, request).await?
         {
             let before = Job::try_from(row)?;
             if before.id.fit().is_none()
@@ -198,21 +200,24 @@ impl Jobs<'_> {
             {
                 return Ok(before);
             }
-            let (request_id, name) = (request_id.clone(), before.id.to_string());
+            let (request_id, name) = (request.id.to_owned(), before.id.to_string());
             return Err(Error::RequestIdTaken { request_id, name });
         }
         let kind = deleted_requests::Kind::Jobs;
-        deleted_requests::refuse(&mut tx, kind, new.request_id.as_deref(), None).await?;
+        deleted_requests::refuse(&mut tx, kind, request, None).await?;
         let before = idle_ingest(&mut tx, new.capture).await?;
         let more = More { jobs: 1, ..More::default() };
         quotas::require(&mut tx, &new.creator, more).await?;
         admit_ingest(&mut tx, &requirements).await?;
         query("delete from jobs where id = $1").bind(&before.id).execute(&mut tx).await?;
-        let (replaced, name) = (before.request_id.as_deref(), format!("ingests/{}", before.id));
+        let replaced = before.request_id.as_deref();
+        let replaced = replaced.map(|stored| RequestId::of_row(stored, &before.owner));
+        let name = format!("ingests/{}", before.id);
         let kind = deleted_requests::Kind::Jobs;
         self.store.keep_request_id(&mut tx, kind, replaced, &name).await?;
         let now = self.store.now_micros();
         let due = due(&mut tx, &key, now).await?;
+        let request_id = request_ids::text_in(request, &mut tx, "jobs").await?;
         let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
                  request_id, created_at, revision, due_at, owner, requirements)
@@ -223,7 +228,7 @@ impl Jobs<'_> {
         .bind(key)
         .bind(new.settings)
         .bind(new.trace_parent)
-        .bind(new.request_id)
+        .bind(request_id)
         .bind(now)
         .bind(before.revision + 1)
         .bind(due)

@@ -7,6 +7,7 @@ use uuid::Uuid;
 use super::{Job, JobId, Kind, Lease, Requirements};
 use crate::{
     Digest, Error, Labels, Result, labels,
+    owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar, row::row},
     store::clock::from_micros,
 };
@@ -167,7 +168,7 @@ impl TryFrom<Row> for Job {
             owner: row.owner,
             settings: row.settings,
             trace_parent: row.trace_parent,
-            request_id: row.request_id,
+            request_id: row.request_id.as_deref().map(request_ids::given).map(str::to_owned),
         })
     }
 }
@@ -188,13 +189,9 @@ pub(super) async fn fetch_leased(tx: &mut Transaction, lease: Lease) -> Result<R
     if row.runs_under(lease)? { Ok(row) } else { Err(lease.stale()) }
 }
 
-/// The job that was created under a request id.
-pub(super) async fn requested(tx: &mut Transaction, request_id: &str) -> Result<Option<Row>> {
-    let row = query("select * from jobs where request_id = $1")
-        .bind(request_id)
-        .fetch_optional(&mut *tx)
-        .await?;
-    Ok(row)
+/// The job that a request made.
+pub(super) async fn requested(tx: &mut Transaction, request: RequestId<'_>) -> Result<Option<Row>> {
+    request.find(tx, "*", "jobs").await
 }
 
 /// The ingest of a capture.

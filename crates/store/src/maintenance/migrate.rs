@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 19] = [
+const TABLES: [Table; 21] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
     Table { name: "deleted_requests", key: "kind, request_id" },
@@ -44,6 +44,8 @@ const TABLES: [Table; 19] = [
     Table { name: "masks", key: "capture" },
     Table { name: "observations", key: "capture" },
     Table { name: "playbacks", key: "capture" },
+    Table { name: "project_members", key: "project, owner" },
+    Table { name: "projects", key: "id" },
     Table { name: "reports", key: "capture" },
     Table { name: "servers", key: "id" },
     Table { name: "store", key: "id" },

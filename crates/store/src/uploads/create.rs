@@ -8,6 +8,7 @@ use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
 use crate::{
     Creator, Digest, Error, Result, deleted_requests,
     keys::quotas::{self, More},
+    owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar},
 };
 
@@ -115,15 +116,16 @@ impl Uploads<'_> {
     ) -> Result<ResumableUpload> {
         let mut tx = self.store.inner.database.write().await?;
         let mut capture = None;
-        if let Some(request_id) = &new.request_id {
-            if let Some(before) = begun_before(&mut tx, new, request_id).await? {
+        let request = RequestId::of(&new.creator.owner, new.request_id.as_deref());
+        if let Some(request) = request {
+            if let Some(before) = begun_before(&mut tx, new, request).await? {
                 tx.commit().await?;
                 return Ok(before);
             }
-            capture = made_before(&mut tx, new, request_id).await?;
+            capture = made_before(&mut tx, new, request).await?;
             if new.has_content && capture.is_none() {
                 let kind = deleted_requests::Kind::Captures;
-                deleted_requests::refuse(&mut tx, kind, Some(request_id), None).await?;
+                deleted_requests::refuse(&mut tx, kind, Some(request), None).await?;
             }
         }
         let length = match &capture {
@@ -137,9 +139,10 @@ impl Uploads<'_> {
             }
         };
         let id = UploadId::generate().uuid().to_string();
-        if let (Some(request_id), None) = (&new.request_id, &capture) {
-            deleted_requests::begin_again(&mut tx, request_id, &id).await?;
+        if let (Some(request), None) = (request, &capture) {
+            deleted_requests::begin_again(&mut tx, request, &id).await?;
         }
+        let request_id = request_ids::text_in(request, &mut tx, "uploads").await?;
         let keep = if capture.is_some() { new.remember } else { new.keep };
         let row: Row = query(
             "insert into uploads (id, state, display_name, request_id, expected_digest, metadata,
@@ -149,7 +152,7 @@ impl Uploads<'_> {
         .bind(id)
         .bind(if capture.is_some() { "stored" } else { "receiving" })
         .bind(&new.display_name)
-        .bind(&new.request_id)
+        .bind(request_id)
         .bind(new.expected_digest.map(|d| d.to_hex().to_string()))
         .bind(&new.metadata)
         .bind(length)
@@ -169,12 +172,9 @@ impl Uploads<'_> {
 async fn begun_before(
     tx: &mut Transaction,
     new: &NewResumableUpload,
-    request_id: &str,
+    request: RequestId<'_>,
 ) -> Result<Option<ResumableUpload>> {
-    let row: Option<Row> = query("select * from uploads where request_id = $1")
-        .bind(request_id)
-        .fetch_optional(&mut *tx)
-        .await?;
+    let row: Option<Row> = request.find(tx, "*", "uploads").await?;
     let Some(row) = row else { return Ok(None) };
     let before = ResumableUpload::try_from(row)?;
     if let UploadState::Stored(capture) = before.state {
@@ -198,7 +198,7 @@ async fn begun_before(
     if same {
         return Ok(Some(before));
     }
-    let (request_id, name) = (request_id.to_owned(), before.id.to_string());
+    let (request_id, name) = (request.id.to_owned(), before.id.to_string());
     Err(Error::RequestIdTaken { request_id, name })
 }
 
@@ -207,22 +207,17 @@ async fn begun_before(
 async fn made_before(
     tx: &mut Transaction,
     new: &NewResumableUpload,
-    request_id: &str,
+    request: RequestId<'_>,
 ) -> Result<Option<(String, i64)>> {
-    let row: Option<(String, String, i64, String)> = query(
-        "select id, coalesce(first_name, display_name), size_bytes, digest from captures
-         where request_id = $1",
-    )
-    .bind(request_id)
-    .fetch_optional(&mut *tx)
-    .await?;
+    let columns = "id, coalesce(first_name, display_name), size_bytes, digest";
+    let row: Option<(String, String, i64, String)> = request.find(tx, columns, "captures").await?;
     let Some((id, display_name, size, digest)) = row else { return Ok(None) };
     let given = new.expected_digest.map(|d| d.to_hex().to_string());
     let differs = display_name != new.display_name
         || given.as_ref().is_some_and(|given| *given != digest)
         || new.length_bytes.is_some_and(|n| i64::try_from(n).ok() != Some(size));
     if differs {
-        let (request_id, name) = (request_id.to_owned(), format!("captures/{id}"));
+        let (request_id, name) = (request.id.to_owned(), format!("captures/{id}"));
         return Err(Error::RequestIdTaken { request_id, name });
     }
     // Without a digest only the content itself could be compared.

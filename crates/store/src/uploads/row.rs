@@ -4,7 +4,7 @@ use bendtwin_core::ids::{CaptureId, UploadId};
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use crate::{Digest, Error, Result, sql::row::row, store::clock::from_micros};
+use crate::{Digest, Error, Result, owners::request_ids, sql::row::row, store::clock::from_micros};
 
 /// State of an upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -110,7 +110,7 @@ impl TryFrom<Row> for ResumableUpload {
             created: from_micros(row.created_at),
             expires: from_micros(row.expires_at),
             display_name: row.display_name,
-            request_id: row.request_id,
+            request_id: row.request_id.as_deref().map(request_ids::given).map(str::to_owned),
             metadata: row.metadata,
             owner: row.owner,
             lease_epoch: row.lease_epoch,

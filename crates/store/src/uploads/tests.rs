@@ -330,9 +330,10 @@ async fn uploads_are_listed_page_by_page(on: On) {
         ids.push(uploads.create(sized(None), BOUNDS).await.unwrap().id);
     }
     ids.sort_by_key(|id| std::cmp::Reverse(*id));
-    let first = uploads.list(&PageRequest { size: 2, ..PageRequest::default() }).await.unwrap();
+    let first =
+        uploads.list(&PageRequest { size: 2, ..PageRequest::default() }, None).await.unwrap();
     let rest = PageRequest { size: 2, token: first.next_token };
-    let second = uploads.list(&rest).await.unwrap();
+    let second = uploads.list(&rest, None).await.unwrap();
     let listed: Vec<_> = first.items.iter().chain(&second.items).map(|u| u.id).collect();
     assert_eq!((listed, second.next_token.as_str()), (ids, ""));
 }

@@ -10,6 +10,7 @@ use super::super::{
     labels::{self, GivenLabels, Listing, Mask},
     requirements,
 };
+use crate::access::Scope;
 
 /// Orders of captures.
 const ORDERS: [(&str, OrderKey); 2] =
@@ -54,5 +55,5 @@ pub(super) fn query(request: ListCapturesRequest) -> Result<ListQuery> {
         ..Listing::default()
     };
     let recorded_by = labels::line("recorded_by", request.recorded_by)?;
-    Ok(ListQuery { recorded_by, ..listing.query(&ORDERS)? })
+    Ok(ListQuery { recorded_by, ..listing.query(Scope::CapturesRead, &ORDERS)? })
 }

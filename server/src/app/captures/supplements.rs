@@ -8,7 +8,7 @@ use bendtwin_store::{Content, NewSupplement, Overview, Staged, SupplementKind};
 use serde::Deserialize;
 
 use super::super::{self as app, App, Body, Error, Result};
-use crate::context::Context;
+use crate::{access::Scope, context::Context};
 
 /// The head of a calibration: the rest is for its readers.
 #[derive(Deserialize)]
@@ -33,7 +33,8 @@ impl App {
         body: Body,
     ) -> Result<Overview> {
         let SupplementMetadata { name, kind, digest } = metadata;
-        let (capture, kind) = (app::name::<CaptureId>(&name)?, self::kind(&kind)?);
+        let capture: CaptureId = self.reach(Scope::CapturesWrite, &name).await?;
+        let kind = self::kind(&kind)?;
         let digest = app::digest(&digest)?;
         self.require_room(0)?;
         self.store.captures().admit_supplement(capture, kind).await?;
@@ -60,7 +61,8 @@ impl App {
 
     /// Removes a file.
     pub(super) async fn remove_supplement(&self, name: &str, kind: &str) -> Result<()> {
-        let (capture, kind) = (app::name::<CaptureId>(name)?, self::kind(kind)?);
+        let capture: CaptureId = self.reach(Scope::CapturesWrite, name).await?;
+        let kind = self::kind(kind)?;
         let store = self.store.clone();
         self.change(async move { store.captures().delete_supplement(capture, kind).await }).await?;
         tracing::info!(%capture, %kind, "supplement deleted");
@@ -73,7 +75,8 @@ impl App {
         name: &str,
         kind: &str,
     ) -> Result<(CaptureId, SupplementKind, Content)> {
-        let (capture, kind) = (app::name(name)?, self::kind(kind)?);
+        let capture = self.reach(Scope::CapturesRead, name).await?;
+        let kind = self::kind(kind)?;
         let content = self.store.captures().supplement_content(capture, kind).await?;
         Ok((capture, kind, content))
     }

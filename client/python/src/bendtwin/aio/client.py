@@ -33,6 +33,7 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
+    Project,
     Requirements,
     TwinInfo,
     Worker,
@@ -422,6 +423,37 @@ class Client:
     async def drain_worker(self, name: str) -> Worker:
         """Asks a worker to take no more work, hand back its job, and end after its rollouts."""
         return await self._caller.run(calls.drain_worker(name))
+
+    # Projects
+
+    async def create_project(self, display_name: str, members: Sequence[str] = ()) -> Project:
+        """Makes a project of owners who share what they have. Takes the scope `admin`, as all
+        changes of projects do."""
+        return await self._caller.run(calls.create_project(display_name, members))
+
+    async def project(self, name: str) -> Project:
+        """Returns a project."""
+        return await self._caller.run(calls.get_project(name))
+
+    def projects(self) -> AsyncIterator[Project]:
+        """Projects of the key's owner, newest first; with the scope `admin` all projects."""
+        return self._caller.pages(calls.list_projects())
+
+    async def update_project(
+        self,
+        name: str,
+        *,
+        display_name: str | None = None,
+        add_members: Sequence[str] = (),
+        remove_members: Sequence[str] = (),
+    ) -> Project:
+        """Renames a project, and adds and removes members."""
+        change = calls.update_project(name, display_name, add_members, remove_members)
+        return await self._caller.run(change)
+
+    async def delete_project(self, name: str) -> None:
+        """Deletes a project. Its members keep what they have, and no longer share it."""
+        await self._caller.run(calls.delete_project(name))
 
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)

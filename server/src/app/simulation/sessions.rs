@@ -2,6 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
+use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
@@ -10,8 +11,8 @@ use bendtwin_proto::{
     worker::v1::manage_session_request::Call,
 };
 
-use super::{App, ReplyHold, Result, Step, Whole};
-use crate::{dispatch::Stepped, memory::Shares};
+use super::super::{App, Error, ReplyHold, Result, Step, Whole};
+use crate::{access::Scope, dispatch::Stepped, memory::Shares};
 
 impl App {
     /// Opens a session at a worker that can take it.
@@ -20,6 +21,8 @@ impl App {
         open: OpenSessionRequest,
         timeout: Option<Duration>,
     ) -> Result<Session> {
+        self.reach::<TwinId>(Scope::RolloutsRun, &open.twin).await?;
+        self.require_initial(open.initial.as_ref()).await?;
         self.dispatch.open_session(open, timeout).await
     }
 
@@ -30,6 +33,10 @@ impl App {
         call: Call,
         timeout: Option<Duration>,
     ) -> Result<Session> {
+        self.reach_session(session).await?;
+        if let Call::Reset(reset) = &call {
+            self.require_initial(reset.initial.as_ref()).await?;
+        }
         self.dispatch.session_call(session, call, timeout).await
     }
 
@@ -41,6 +48,7 @@ impl App {
         timeout: Option<Duration>,
         as_lists: bool,
     ) -> Result<(SessionStates, ReplyHold)> {
+        self.reach_session(&asked.name).await?;
         self.dispatch.session_states(asked, timeout, as_lists).await
     }
 
@@ -52,6 +60,7 @@ impl App {
         as_lists: bool,
         memory: Arc<Shares>,
     ) -> Result<Whole> {
+        self.reach_session(&advance.name).await?;
         self.dispatch.advance_session(advance, timeout, as_lists, memory).await
     }
 
@@ -62,11 +71,13 @@ impl App {
         timeout: Option<Duration>,
         as_lists: bool,
     ) -> Result<(CorrectedSession, ReplyHold)> {
+        self.reach_session(&correct.name).await?;
         self.dispatch.correct_session(correct, timeout, as_lists).await
     }
 
     /// Takes a step of a closed loop: a correction, a plan and an advance.
     pub(crate) async fn step_session(&self, step: Step) -> Result<Stepped> {
+        self.reach_session(&step.request.name).await?;
         self.dispatch.step_session(step).await
     }
 
@@ -76,6 +87,10 @@ impl App {
         close: CloseSessionRequest,
         timeout: Option<Duration>,
     ) -> Result<()> {
+        match self.reach::<SessionId>(Scope::RolloutsRun, &close.name).await {
+            Err(Error::SessionLost(_)) => return Ok(()),
+            reached => reached?,
+        };
         self.dispatch.close_session(close, timeout).await
     }
 }

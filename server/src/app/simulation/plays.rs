@@ -14,10 +14,16 @@ use bendtwin_proto::{
 };
 use futures::{FutureExt as _, StreamExt as _, future::BoxFuture};
 
-use super::{App, Error, Plan, Result};
-use crate::context::Context;
+use super::super::{App, Error, Plan, Result};
+use crate::{access::Scope, context::Context};
 
 impl App {
+    /// The twin of a name, if the caller may play with it.
+    pub(crate) async fn twin_to_play(&self, name: &str) -> Result<TwinId> {
+        let twin: TwinId = self.reach(Scope::RolloutsRun, name).await?;
+        Ok(self.store.twins().get(twin).await?.id)
+    }
+
     /// Begins a play of a twin. `problem` makes the document that shows an error to the client.
     pub(crate) async fn begin_play(
         &self,
@@ -26,19 +32,19 @@ impl App {
         problem: fn(Error, &Context) -> serde_json::Value,
     ) -> Result<Player> {
         self.plays.require_room()?;
-        let geometry = self.twin_geometry(&twin.to_string(), false).await?.message;
+        let geometry = self.geometry_of(twin, false).await?.message;
         let host = Arc::new(PlayHost { app: self.clone(), context: Context::current(), problem });
         Ok(self.plays.begin(host, twin, &geometry, begin).await?)
     }
 
     /// A play that is under way.
-    pub(crate) fn play(&self, name: &str) -> Result<Arc<Play>> {
-        Ok(self.plays.get(super::name(name)?)?)
+    pub(crate) async fn play(&self, name: &str) -> Result<Arc<Play>> {
+        Ok(self.plays.get(self.reach(Scope::RolloutsRun, name).await?)?)
     }
 
     /// The view of a watcher of a play.
-    pub(crate) fn watch_play(&self, name: &str) -> Result<View> {
-        Ok(self.plays.watch(super::name(name)?)?)
+    pub(crate) async fn watch_play(&self, name: &str) -> Result<View> {
+        Ok(self.plays.watch(self.reach(Scope::RolloutsRun, name).await?)?)
     }
 }
 
@@ -61,6 +67,10 @@ impl PlayHost {
 }
 
 impl Host for PlayHost {
+    fn owner(&self) -> &str {
+        &self.context.caller.owner
+    }
+
     fn open_session(
         &self,
         request: OpenSessionRequest,

@@ -6,21 +6,27 @@ use bendtwin_budget::Share;
 use bendtwin_core::ids::{CaptureId, TwinId};
 use bendtwin_proto::v1::{EvaluateTwinRequest, Evaluation};
 
-use super::{App, InParts, Register, Registered, Result, RollOut, Whole};
+use super::super::{App, InParts, Register, Registered, Result, RollOut, Whole};
+use crate::access::Scope;
 
 impl App {
     /// Simulates a rollout.
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
+        self.require_rollout(&rollout.request).await?;
         self.dispatch.roll_out(rollout).await
     }
 
     /// Simulates a rollout whose reply comes in parts.
     pub(crate) async fn roll_out_in_parts(&self, rollout: RollOut) -> Result<InParts> {
+        self.require_rollout(&rollout.request).await?;
         self.dispatch.parts(rollout).await
     }
 
     /// The state of a twin that explains an observation.
     pub(crate) async fn register_state(&self, register: Register) -> Result<Registered> {
+        let request = &register.request;
+        self.reach::<TwinId>(Scope::RolloutsRun, &request.twin).await?;
+        self.require_initial(request.initial.as_ref()).await?;
         self.dispatch.register_state(register).await
     }
 
@@ -35,8 +41,8 @@ impl App {
         request: EvaluateTwinRequest,
         timeout: Option<Duration>,
     ) -> Result<Evaluation> {
-        let twin: TwinId = super::name(&request.twin)?;
-        let capture: CaptureId = super::name(&request.capture)?;
+        let twin: TwinId = self.reach(Scope::RolloutsRun, &request.twin).await?;
+        let capture: CaptureId = self.reach(Scope::RolloutsRun, &request.capture).await?;
         // Unknown names are reported before a worker is asked.
         self.store.captures().get(capture).await?;
         self.dispatch.evaluate_twin(twin, request, timeout).await
