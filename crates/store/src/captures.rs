@@ -16,9 +16,9 @@ use crate::{
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
     jobs::{self, JobOrigin},
-    keys::quotas::{self, More},
+    keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
-    sql::{query, query_scalar, row::row},
+    sql::{Target, query, query_scalar, row::row},
     store::clock::from_micros,
     uploads,
 };
@@ -126,6 +126,23 @@ impl Row {
     fn first_name(&self) -> &str {
         self.first_name.as_ref().unwrap_or(&self.display_name)
     }
+
+    /// The capture, if the request that made it is this one.
+    fn repeated(self, request_id: &str, display_name: &str, digest: Digest) -> Result<Capture> {
+        let same_name = self.first_name() == display_name;
+        let before = Capture::try_from(self)?;
+        if before.digest == digest && same_name {
+            return Ok(before);
+        }
+        let (request_id, name) = (request_id.to_owned(), before.id.to_string());
+        Err(Error::RequestIdTaken { request_id, name })
+    }
+}
+
+/// The capture that was made under a request id.
+async fn requested<'t>(target: impl Into<Target<'t>>, request_id: &str) -> Result<Option<Row>> {
+    let found = query("select * from captures where request_id = $1");
+    found.bind(request_id).fetch_optional(target).await
 }
 
 impl TryFrom<Row> for Capture {
@@ -148,42 +165,68 @@ impl TryFrom<Row> for Capture {
 }
 
 impl Captures<'_> {
+    /// True if there is a capture that was made under a request id.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn has_requested(&self, request_id: &str) -> Result<bool> {
+        Ok(requested(self.store.inner.database.read(), request_id).await?.is_some())
+    }
+
+    /// The capture that the same request made before, by the digest of its content. Nothing else is
+    /// made.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`] if that has other content or another name,
+    /// [`Error::DeletedSince`].
+    pub async fn repeated(&self, request_id: &str, name: &str, digest: Digest) -> Result<Capture> {
+        match requested(self.store.inner.database.read(), request_id).await? {
+            Some(row) => row.repeated(request_id, name, digest),
+            None => {
+                let mut tx = self.store.inner.database.write().await?;
+                deleted_requests::refuse(&mut tx, Kind::Captures, Some(request_id), None).await?;
+                // It went without a trace meanwhile: the next attempt is no repetition.
+                Err(Error::ContentBusy)
+            }
+        }
+    }
+
     /// Stores a capture and queues its ingest. The same request id with the same content and name
     /// returns the capture created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`],
-    /// [`Error::TooManyRequirements`], database and file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::QuotaJobs`],
+    /// [`Error::QuotaBytes`], [`Error::DiskFull`], [`Error::TooManyRequirements`], database and file
+    /// errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { facts, request_id, content, creator, trace_parent } = new;
+        let NewCapture { facts, request_id, mut content, creator, trace_parent } = new;
         let requirements = facts.requirements.to_text()?;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
-        let upload = content.upload();
+        let (upload, reservation) = (content.upload(), content.take_reservation());
         let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
-        if let Some(request_id) = &request_id {
-            let row: Option<Row> = query("select * from captures where request_id = $1")
-                .bind(request_id)
-                .fetch_optional(&mut tx)
-                .await?;
-            if let Some(row) = row {
-                let same_name = row.first_name() == facts.display_name;
-                let before = Capture::try_from(row)?;
-                if before.digest == digest && same_name {
+        if let Some(request_id) = &request_id
+            && let Some(row) = requested(&mut tx, request_id).await?
+        {
+            match row.repeated(request_id, &facts.display_name, digest) {
+                Ok(before) => {
                     if let Some(upload) = upload {
                         uploads::stored(&mut tx, upload, before.id).await?;
                         tx.commit().await?;
                     }
                     return Ok(before);
                 }
-                drop((tx, guard));
-                self.store.release(&digest.to_hex()).await?;
-                let (request_id, name) = (request_id.clone(), before.id.to_string());
-                return Err(Error::RequestIdTaken { request_id, name });
+                Err(error) => {
+                    drop((tx, guard));
+                    self.store.release(&digest.to_hex()).await?;
+                    return Err(error);
+                }
             }
         }
-        let more = More { jobs: 1, bytes: size_bytes, upload };
+        let held = reservation.as_ref().map(Reservation::held);
+        let held = held.or(upload.map(|upload| upload.uuid().to_string()));
+        let more = More { jobs: 1, bytes: size_bytes, held };
         let admitted = async {
             let key = request_id.as_deref();
             deleted_requests::refuse(&mut tx, Kind::Captures, key, upload).await?;
@@ -224,9 +267,15 @@ impl Captures<'_> {
         };
         let now = self.store.now_micros();
         let ingest = jobs::enqueue(&mut tx, &row.id, &facts.ingest, asked, now).await?;
+        if let Some(reservation) = &reservation {
+            reservation.settle(&mut tx).await?;
+        }
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
+        if let Some(reservation) = reservation {
+            reservation.settled();
+        }
         self.store.jobs().changed(&ingest);
         self.store.pass(Failpoint::AfterCommit)?;
         row.try_into()

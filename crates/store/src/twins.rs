@@ -10,9 +10,9 @@ use crate::{
     Content, Creator, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
-    keys::quotas::{self, More},
+    keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
-    sql::{Transaction, query, row::row},
+    sql::{Target, Transaction, query, row::row},
     store::clock::from_micros,
 };
 
@@ -117,6 +117,23 @@ impl Row {
     fn first_name(&self) -> &str {
         self.first_name.as_ref().unwrap_or(&self.display_name)
     }
+
+    /// The twin, if the request that made it is this one.
+    fn repeated(self, request_id: &str, display_name: &str, digest: Digest) -> Result<Twin> {
+        let same_name = self.first_name() == display_name;
+        let before = Twin::try_from(self)?;
+        if before.digest == digest && same_name {
+            return Ok(before);
+        }
+        let (request_id, name) = (request_id.to_owned(), before.id.to_string());
+        Err(Error::RequestIdTaken { request_id, name })
+    }
+}
+
+/// The twin that was made under a request id.
+async fn requested<'t>(target: impl Into<Target<'t>>, request_id: &str) -> Result<Option<Row>> {
+    let found = query("select * from twins where request_id = $1");
+    found.bind(request_id).fetch_optional(target).await
 }
 
 impl TryFrom<Row> for Twin {
@@ -203,36 +220,57 @@ pub(crate) async fn insert(tx: &mut Transaction, new: Insert<'_>) -> Result<Twin
 }
 
 impl Twins<'_> {
+    /// True if there is a twin that was imported under a request id.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn has_requested(&self, request_id: &str) -> Result<bool> {
+        Ok(requested(self.store.inner.database.read(), request_id).await?.is_some())
+    }
+
+    /// The twin that the same request imported before, by the digest of its file. Nothing else is
+    /// made.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`] if that has other content or another name,
+    /// [`Error::DeletedSince`].
+    pub async fn repeated(&self, request_id: &str, name: &str, digest: Digest) -> Result<Twin> {
+        match requested(self.store.inner.database.read(), request_id).await? {
+            Some(row) => row.repeated(request_id, name, digest),
+            None => {
+                let mut tx = self.store.inner.database.write().await?;
+                deleted_requests::refuse(&mut tx, Kind::Twins, Some(request_id), None).await?;
+                // It went without a trace meanwhile: the next attempt is no repetition.
+                Err(Error::ContentBusy)
+            }
+        }
+    }
+
     /// Stores an imported twin. The same request id with the same content and name returns the twin
     /// created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`], database and file
-    /// errors.
+    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::QuotaBytes`],
+    /// [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewTwin) -> Result<Twin> {
         self.store.admit()?;
-        let NewTwin { display_name, request_id, facts, content, creator } = new;
+        let NewTwin { display_name, request_id, facts, mut content, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
+        let reservation = content.take_reservation();
         let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
-        if let Some(request_id) = &request_id {
-            let row: Option<Row> = query("select * from twins where request_id = $1")
-                .bind(request_id)
-                .fetch_optional(&mut tx)
-                .await?;
-            if let Some(row) = row {
-                let same_name = row.first_name() == display_name;
-                let before = Twin::try_from(row)?;
-                drop((tx, guard));
-                if before.digest == digest && same_name {
-                    return Ok(before);
-                }
+        if let Some(request_id) = &request_id
+            && let Some(row) = requested(&mut tx, request_id).await?
+        {
+            drop((tx, guard));
+            let before = row.repeated(request_id, &display_name, digest);
+            if before.is_err() {
                 self.store.release(&digest.to_hex()).await?;
-                let (request_id, name) = (request_id.clone(), before.id.to_string());
-                return Err(Error::RequestIdTaken { request_id, name });
             }
+            return before;
         }
-        let more = More { bytes: size_bytes, ..More::default() };
+        let held = reservation.as_ref().map(Reservation::held);
+        let more = More { jobs: 0, bytes: size_bytes, held };
         let admitted = async {
             let key = request_id.as_deref();
             deleted_requests::refuse(&mut tx, Kind::Twins, key, None).await?;
@@ -255,9 +293,15 @@ impl Twins<'_> {
             now: self.store.now_micros(),
         };
         let twin = insert(&mut tx, new).await?;
+        if let Some(reservation) = &reservation {
+            reservation.settle(&mut tx).await?;
+        }
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
+        if let Some(reservation) = reservation {
+            reservation.settled();
+        }
         self.store.pass(Failpoint::AfterCommit)?;
         Ok(twin)
     }

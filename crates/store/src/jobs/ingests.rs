@@ -204,8 +204,7 @@ impl Jobs<'_> {
         let kind = deleted_requests::Kind::Jobs;
         deleted_requests::refuse(&mut tx, kind, new.request_id.as_deref(), None).await?;
         let before = idle_ingest(&mut tx, new.capture).await?;
-        let more = More { jobs: 1, ..More::default() };
-        quotas::require(&mut tx, &new.creator, more).await?;
+        quotas::require(&mut tx, &new.creator, More::job()).await?;
         admit_ingest(&mut tx, &requirements).await?;
         query("delete from jobs where id = $1").bind(&before.id).execute(&mut tx).await?;
         let (replaced, name) = (before.request_id.as_deref(), format!("ingests/{}", before.id));
@@ -257,6 +256,7 @@ impl Jobs<'_> {
             verdict,
             json: json.digest(),
             html: html.digest(),
+            report_bytes: json.size_bytes() + html.size_bytes(),
         };
         let contents: Vec<Staged> =
             [observation, playback, masks].into_iter().flatten().chain([json, html]).collect();

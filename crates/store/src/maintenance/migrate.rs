@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 19] = [
+const TABLES: [Table; 20] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
     Table { name: "deleted_requests", key: "kind, request_id" },
@@ -45,6 +45,7 @@ const TABLES: [Table; 19] = [
     Table { name: "observations", key: "capture" },
     Table { name: "playbacks", key: "capture" },
     Table { name: "reports", key: "capture" },
+    Table { name: "reservations", key: "id" },
     Table { name: "servers", key: "id" },
     Table { name: "store", key: "id" },
     Table { name: "supplements", key: "capture, kind" },
