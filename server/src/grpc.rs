@@ -17,6 +17,7 @@ mod sessions;
 mod token;
 mod twins;
 mod upload;
+mod usage;
 mod workers;
 
 use std::collections::HashSet;
@@ -29,7 +30,8 @@ use bendtwin_proto::{
         key_service_server::KeyServiceServer, planning_service_server::PlanningServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
-        twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
+        twin_service_server::TwinServiceServer, usage_service_server::UsageServiceServer,
+        worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -90,6 +92,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
         .with::<KeyServiceServer<Api>>()
+        .with::<UsageServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -106,6 +109,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(UsageServiceServer::new(api.clone()))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),

@@ -5,8 +5,8 @@ pub(crate) mod completions;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, ca, capture, demo, doctor, eval, fit, global::Global, key, logging, rollout, server,
-    store, twin, worker,
+    admin, bench, ca, capture, demo, doctor, eval, fit, global::Global, key, logging, rollout,
+    server, store, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -45,6 +45,8 @@ pub(crate) enum Command {
     Rollout(rollout::Rollout),
     /// Make, list and revoke the keys of a server
     Key(key::Key),
+    /// Show usage by owner
+    Admin(admin::Admin),
     /// Issue certificates for servers and workers with a private authority
     Ca(ca::Ca),
     /// Fit and score captures on this machine, without a server

@@ -1,5 +1,6 @@
 //! The `bendtwin` command: the whole system in one binary.
 
+mod admin;
 mod args;
 mod bench;
 mod ca;
@@ -98,6 +99,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Capture(args) => capture::run(args, global).await,
         Command::Fit(args) => fit::run(args, global).await,
         Command::Key(args) => key::run(args, global).await,
+        Command::Admin(args) => admin::run(args, global).await,
         Command::Ca(args) => ca::run(args, global),
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,

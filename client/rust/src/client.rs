@@ -18,7 +18,8 @@ use bendtwin_proto::v1::{
     key_service_client::KeyServiceClient, planning_service_client::PlanningServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
-    twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
+    twin_service_client::TwinServiceClient, usage_service_client::UsageServiceClient,
+    worker_service_client::WorkerServiceClient,
 };
 use bendtwin_tls::{ClientConfig, Connector, TlsError, client_config};
 use tonic::transport::Endpoint;
@@ -26,7 +27,7 @@ use url::Url;
 
 use crate::{
     Captures, Error, Evaluations, Fits, Keys, Plans, Registrations, Rollouts, Sessions, Twins,
-    Workers, token,
+    Usage, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -144,6 +145,11 @@ impl Client {
     /// Keys of clients.
     pub fn keys(&self) -> Keys {
         Keys::new(KeyServiceClient::new(self.channel.clone()))
+    }
+
+    /// What is stored for the owners of keys, and their jobs.
+    pub fn usage(&self) -> Usage {
+        Usage::new(UsageServiceClient::new(self.channel.clone()))
     }
 
     /// Worker processes that the server knows.

@@ -72,6 +72,10 @@ Rpc { path: "/bendtwin.v1.KeyService/ListKeys", scope: Scope::Admin, audited: fa
     Route { method: "GET", path: "/v1/keys", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListKeysRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListKeysResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.KeyService/DeleteKey", scope: Scope::Admin, audited: true, routes: &[
     Route { method: "DELETE", path: "/v1/keys/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteKeyRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteKeyResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.UsageService/GetUsage", scope: Scope::Anyone, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/usage", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetUsageRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::OwnerUsage>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.UsageService/ListOwnerUsage", scope: Scope::Admin, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/usage/owners", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListOwnerUsageRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListOwnerUsageResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.RolloutService/RollOut", scope: Scope::RolloutsRun, audited: false, routes: &[
     Route { method: "POST", path: "/v1/twins/{id}/rollouts", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.RolloutService/StreamRollOut", scope: Scope::RolloutsRun, audited: false, routes: &[

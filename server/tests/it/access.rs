@@ -2,6 +2,7 @@
 
 mod audit;
 pub(super) mod keys;
+mod usage;
 
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;

@@ -33,6 +33,7 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
+    OwnerUsage,
     Requirements,
     TwinInfo,
     Worker,
@@ -422,6 +423,16 @@ class Client:
     async def drain_worker(self, name: str) -> Worker:
         """Asks a worker to take no more work, hand back its job, and end after its rollouts."""
         return await self._caller.run(calls.drain_worker(name))
+
+    # Usage
+
+    async def usage(self) -> OwnerUsage:
+        """What is stored for the owner of the key that is used, its jobs, and its quotas."""
+        return await self._caller.run(calls.get_usage())
+
+    def owner_usage(self) -> AsyncIterator[OwnerUsage]:
+        """The same of all owners, by name; it takes the scope `admin`."""
+        return self._caller.pages(calls.list_owner_usage())
 
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)
