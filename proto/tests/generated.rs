@@ -33,6 +33,7 @@ const FILES: [&str; 16] = [
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/key.proto",
     "bendtwin/v1/project.proto",
+    "bendtwin/v1/usage.proto",
     "bendtwin/v1/rollout.proto",
     "bendtwin/v1/planning.proto",
     "bendtwin/v1/registration.proto",

@@ -54,6 +54,7 @@ pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
+use keys::usage::KnownUsage;
 pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
 use operations::Readiness;
@@ -86,6 +87,7 @@ pub(crate) struct Inner {
     memory: Memory,
     plays: Plays,
     members: Members,
+    known_usage: KnownUsage,
     /// Cancelled when the server begins to stop: streams end then.
     stopping: CancellationToken,
     certificates: Certificates,
@@ -119,9 +121,10 @@ impl App {
         let inner = Inner {
             id: ServerId::generate(),
             members: Members::default(),
+            known_usage: KnownUsage::default(),
             dispatch,
             tokens: Tokens::new(options.worker_token.as_deref()),
-            keys: KeyRing::new(store.clone()),
+            keys: KeyRing::new(store.clone(), options.quotas.to_store()),
             metrics,
             readiness: Readiness::default(),
             memory,

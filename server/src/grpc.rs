@@ -18,6 +18,7 @@ mod sessions;
 mod token;
 mod twins;
 mod upload;
+mod usage;
 mod workers;
 
 use std::collections::HashSet;
@@ -31,7 +32,8 @@ use bendtwin_proto::{
         project_service_server::ProjectServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
-        twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
+        twin_service_server::TwinServiceServer, usage_service_server::UsageServiceServer,
+        worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -93,6 +95,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<WorkerServiceServer<Api>>()
         .with::<KeyServiceServer<Api>>()
         .with::<ProjectServiceServer<Api>>()
+        .with::<UsageServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -110,6 +113,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(ProjectServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(UsageServiceServer::new(api.clone()))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),

@@ -39,7 +39,9 @@ mod tls;
 pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, maintenance};
 #[doc(hidden)]
 pub use http::uploads::read_upload_headers;
-pub use options::{ClientTokenPolicy, Limits, Options, Tls, WorkerPolicy, WorkerTls};
+pub use options::{
+    ClientTokenPolicy, DefaultQuotas, Limits, Options, Tls, WorkerPolicy, WorkerTls,
+};
 pub use refusal::http_status;
 pub use service::{Handle, Service, StartError};
 pub use supervise::{

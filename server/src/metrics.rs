@@ -2,11 +2,12 @@
 //! servers in one test do not add up.
 
 mod gauges;
+mod owners;
 
 use std::{fmt, sync::Arc, time::Duration};
 
 use ::metrics::{Key, Label, Level, Metadata, Recorder as _};
-use bendtwin_store::{Kind, QueueDepth, UploadUse};
+use bendtwin_store::{Kind, OwnerUsage, QueueDepth, UploadUse};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
@@ -26,6 +27,8 @@ pub(crate) struct Gauges {
     /// Sum over the devices of all workers: workers come and go under ever new names.
     pub(crate) memory: Memory,
     pub(crate) uploads: UploadUse,
+    /// Usage of all owners; none if it is not known at the moment.
+    pub(crate) usage: Option<Arc<[OwnerUsage]>>,
 }
 
 /// The metrics. Clones share them.
@@ -115,7 +118,11 @@ impl Metrics {
             self.gauge("bendtwin_device_memory_bytes", vec![label], bytes as f64);
         }
         self.handle.run_upkeep();
-        self.handle.render()
+        let mut text = self.handle.render();
+        if let Some(usage) = &gauges.usage {
+            text.push_str(&owners::render(usage));
+        }
+        text
     }
 
     fn count(&self, name: &'static str, labels: Vec<Label>) {

@@ -6,7 +6,7 @@ mod tls;
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_contract::rollout;
-use bendtwin_store::{DatabaseUrl, ObjectsUrl};
+use bendtwin_store::{DatabaseUrl, ObjectsUrl, Quotas};
 use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
@@ -60,6 +60,8 @@ pub struct Options {
     pub memory_mib: Option<u64>,
     /// Bounds on one request.
     pub limits: Limits,
+    /// Bounds on owners whose keys state none.
+    pub quotas: DefaultQuotas,
     /// Time for which a worker keeps a job without reporting [s].
     pub lease_s: f64,
     /// Interval at which workers send heartbeats [s].
@@ -109,6 +111,26 @@ pub struct WorkerPolicy {
     pub min_backoff_s: f64,
     /// Longest wait before a restart [s].
     pub max_backoff_s: f64,
+}
+
+/// Quotas of keys that state none, each without a bound unless it is given. The client token has no
+/// quotas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DefaultQuotas {
+    /// Fits and ingests that wait for a worker.
+    pub queued_jobs: Option<u64>,
+    /// Size of everything that is stored for the owner [bytes].
+    pub stored_bytes: Option<u64>,
+    /// Rollouts, plans, registrations and evaluations in progress at one server.
+    pub rollouts: Option<u64>,
+}
+
+impl DefaultQuotas {
+    pub(crate) fn to_store(self) -> Quotas {
+        let Self { queued_jobs, stored_bytes, rollouts } = self;
+        Quotas { queued_jobs, stored_bytes, rollouts }
+    }
 }
 
 /// Bounds on what one request may ask.
@@ -179,6 +201,7 @@ impl Default for Options {
             workers: WorkerPolicy::default(),
             memory_mib: None,
             limits: Limits::default(),
+            quotas: DefaultQuotas::default(),
             lease_s: 30.0,
             heartbeat_interval_s: 5.0,
             upload_expiry_s: 7.0 * 86_400.0,

@@ -6,7 +6,7 @@ use clap::{Parser, Subcommand};
 
 use crate::{
     access::{key, project},
-    bench, ca, capture, demo, doctor, eval, fit,
+    admin, bench, ca, capture, demo, doctor, eval, fit,
     global::Global,
     logging, rollout, server, store, twin, worker,
 };
@@ -49,6 +49,8 @@ pub(crate) enum Command {
     Key(key::Key),
     /// Make and change projects, whose members share what they have
     Project(project::Project),
+    /// Show usage by owner
+    Admin(admin::Admin),
     /// Issue certificates for servers and workers with a private authority
     Ca(ca::Ca),
     /// Fit and score captures on this machine, without a server

@@ -1,6 +1,7 @@
 //! The `bendtwin` command: the whole system in one binary.
 
 mod access;
+mod admin;
 mod args;
 mod bench;
 mod ca;
@@ -99,6 +100,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Fit(args) => fit::run(args, global).await,
         Command::Key(args) => access::key::run(args, global).await,
         Command::Project(args) => access::project::run(args, global).await,
+        Command::Admin(args) => admin::run(args, global).await,
         Command::Ca(args) => ca::run(args, global),
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,

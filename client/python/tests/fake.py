@@ -23,6 +23,8 @@ from bendtwin.v1 import (
     tensor_pb2,
     twin_pb2,
     twin_pb2_grpc,
+    usage_pb2,
+    usage_pb2_grpc,
 )
 
 CAPTURE = "captures/0190a000-0000-7000-8000-000000000001"
@@ -55,6 +57,7 @@ class Fake(
     twin_pb2_grpc.TwinServiceServicer,
     rollout_pb2_grpc.RolloutServiceServicer,
     project_pb2_grpc.ProjectServiceServicer,
+    usage_pb2_grpc.UsageServiceServicer,
 ):
     """Server that keeps the requests that it got, and ends jobs as it is told."""
 
@@ -336,6 +339,19 @@ class Fake(
             reply.initial_position_gradients.CopyFrom(zeros)
             reply.initial_velocity_gradients.CopyFrom(zeros)
 
+    def GetUsage(self, _, context):
+        usage = usage_pb2.OwnerUsage(owner="ada", captures=2, queued_jobs=1)
+        usage.stored_bytes.total, usage.stored_bytes.derived = 300, 100
+        usage.quotas.stored_bytes = 1000
+        return usage
+
+    def ListOwnerUsage(self, request, context):
+        names = ["ada", "bob"]
+        first = int(request.page_token or 0)
+        owners = [usage_pb2.OwnerUsage(owner=names[first])]
+        token = str(first + 1) if first + 1 < len(names) else ""
+        return usage_pb2.ListOwnerUsageResponse(owners=owners, next_page_token=token)
+
 
 class Recorder(grpc.ServerInterceptor):
     """Notes the token that each call shows."""
@@ -357,6 +373,7 @@ def serve(fake: Fake) -> tuple[grpc.Server, str]:
     twin_pb2_grpc.add_TwinServiceServicer_to_server(fake, server)
     rollout_pb2_grpc.add_RolloutServiceServicer_to_server(fake, server)
     project_pb2_grpc.add_ProjectServiceServicer_to_server(fake, server)
+    usage_pb2_grpc.add_UsageServiceServicer_to_server(fake, server)
     port = server.add_insecure_port("127.0.0.1:0")
     server.start()
     return server, f"127.0.0.1:{port}"

@@ -160,6 +160,14 @@ def test_a_capture_that_cannot_be_fitted_says_why(client, fake):
     assert client.cancel_ingest(CAPTURE).ingest.state is JobState.CANCELLED
 
 
+def test_usage_is_that_of_the_key_or_of_all_owners(client):
+    usage = client.usage()
+    assert (usage.owner, usage.captures, usage.queued_jobs) == ("ada", 2, 1)
+    assert (usage.stored_bytes.total, usage.stored_bytes.derived) == (300, 100)
+    assert (usage.quotas.stored_bytes, usage.quotas.rollouts) == (1000, None)
+    assert [owner.owner for owner in client.owner_usage()] == ["ada", "bob"]
+
+
 def test_errors_carry_category_reason_and_request(client):
     with pytest.raises(BendTwinError, match="list twins") as failure:
         client.twin("twins/none")

@@ -19,7 +19,8 @@ use bendtwin_proto::v1::{
     project_service_client::ProjectServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
-    twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
+    twin_service_client::TwinServiceClient, usage_service_client::UsageServiceClient,
+    worker_service_client::WorkerServiceClient,
 };
 use bendtwin_tls::{ClientConfig, Connector, TlsError, client_config};
 use tonic::transport::Endpoint;
@@ -27,7 +28,7 @@ use url::Url;
 
 use crate::{
     Captures, Error, Evaluations, Fits, Keys, Plans, Projects, Registrations, Rollouts, Sessions,
-    Twins, Workers, token,
+    Twins, Usage, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -150,6 +151,11 @@ impl Client {
     /// Projects of owners.
     pub fn projects(&self) -> Projects {
         Projects::new(ProjectServiceClient::new(self.channel.clone()))
+    }
+
+    /// What is stored for the owners of keys, and their jobs.
+    pub fn usage(&self) -> Usage {
+        Usage::new(UsageServiceClient::new(self.channel.clone()))
     }
 
     /// Worker processes that the server knows.

@@ -79,6 +79,7 @@ mod rollouts;
 mod sessions;
 pub mod token;
 mod twins;
+mod usage;
 mod watch;
 mod workers;
 
@@ -89,7 +90,7 @@ pub use bendtwin_core::{
 };
 pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 pub use bendtwin_proto::v1::{
-    KeyQuotas, ModelLoss, Progress as JobProgress, WorkerRequirements as Requirements,
+    KeyQuotas, ModelLoss, Progress as JobProgress, StoredBytes, WorkerRequirements as Requirements,
     job::State as JobState,
 };
 
@@ -115,6 +116,7 @@ pub use self::{
         Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
     },
     twins::{Geometry, Twins},
+    usage::{OwnerUsage, Usage},
     watch::Watch,
     workers::Workers,
 };

@@ -11,6 +11,7 @@ export type Supplement = Schemas['Supplement'];
 export type Fit = Schemas['Fit'];
 export type Twin = Schemas['Twin'];
 export type Worker = Schemas['Worker'];
+export type OwnerUsage = Schemas['OwnerUsage'];
 export type LossCurve = Schemas['FitLosses.LossCurve'];
 export type Evaluation = Schemas['Evaluation'];
 export type PredictedMotion = Schemas['PredictedMotion'];

@@ -9,20 +9,33 @@ import { keepingFocus } from '../ui/focus';
 import { facts, progress } from '../ui/form';
 import { counted, duration, percent, since, size } from '../ui/format';
 import { refresh } from '../ui/refresh';
+import { askOwners, ownersTable } from './parts/usage';
 
 const EVERY_MS = 2000;
+/** Pause between questions for the usage of all owners, which takes the server longer [ms]. */
+const USAGE_EVERY_MS = 30_000;
 /** Time after which a worker that says nothing is taken for silent [ms]; heartbeats come every few seconds. */
 const SILENT_MS = 20_000;
 
-/** The workers: their devices, what they do, and the twins that they have loaded. */
+/**
+ * The workers: their devices, what they do, and the twins that they have loaded; for operators also what
+ * is stored for each owner.
+ */
 export const open: OpenPage = async (context) => {
   context.setTitle('Workers');
   const element = h('div');
+  const usage = h('div');
   await refresh(context, EVERY_MS, async () => {
     const { workers } = await context.api.get('/v1/workers', { signal: context.signal });
     keepingFocus(element, () => element.replaceChildren(workers.length === 0 ? none() : all(workers)));
   });
-  return { element };
+  let mayAsk = true;
+  await refresh(context, USAGE_EVERY_MS, async () => {
+    const owners = mayAsk ? await askOwners(context) : null;
+    mayAsk = owners !== null;
+    if (owners !== null) keepingFocus(usage, () => usage.replaceChildren(ownersTable(owners)));
+  });
+  return { element: h('div', {}, element, usage) };
 };
 
 function none(): HTMLElement {

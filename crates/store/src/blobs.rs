@@ -45,6 +45,7 @@ use place::ObjectReader;
 pub(crate) use place::{Place, own};
 pub(crate) use staged::At;
 pub use staged::Staged;
+use upload::TemporaryFile;
 pub use upload::Upload;
 pub(crate) use url::Location;
 pub use url::ObjectsUrl;
@@ -96,7 +97,17 @@ impl Blobs {
     pub async fn upload(&self, limit: u64) -> Result<Upload> {
         let path = Path::from_iter([INCOMING, &uuid::Uuid::new_v4().simple().to_string()]);
         let sink = self.staging.objects().put_multipart(&path).await?;
-        Ok(Upload::new(self.clone(), path, sink, limit))
+        Ok(Upload::new(self.clone(), Some(TemporaryFile { path, sink }), limit))
+    }
+
+    /// Begins an upload of at most `limit` bytes that is only compared with what is stored.
+    pub(crate) fn comparison(&self, limit: u64) -> Upload {
+        Upload::new(self.clone(), None, limit)
+    }
+
+    /// Size of a published blob; none if it is not there.
+    pub(crate) async fn size(&self, digest: &str) -> Result<Option<u64>> {
+        self.place.size(digest).await
     }
 
     /// Refuses new content of some size on a full disk. Little content gets through: it may be the

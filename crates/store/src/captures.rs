@@ -16,7 +16,7 @@ use crate::{
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
     jobs::{self, JobOrigin},
-    keys::quotas::{self, More},
+    keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
     owners::request_ids::{self, RequestId},
     sql::{query, query_scalar, row::row},
@@ -127,6 +127,17 @@ impl Row {
     fn first_name(&self) -> &str {
         self.first_name.as_ref().unwrap_or(&self.display_name)
     }
+
+    /// The capture, if the request that made it is this one.
+    fn repeated(self, request: RequestId<'_>, display_name: &str, digest: Digest) -> Result<Capture> {
+        let same_name = self.first_name() == display_name;
+        let before = Capture::try_from(self)?;
+        if before.digest == digest && same_name {
+            return Ok(before);
+        }
+        let (request_id, name) = (request.id.to_owned(), before.id.to_string());
+        Err(Error::RequestIdTaken { request_id, name })
+    }
 }
 
 impl TryFrom<Row> for Capture {
@@ -149,40 +160,81 @@ impl TryFrom<Row> for Capture {
 }
 
 impl Captures<'_> {
+    /// True if there is a capture that was made under a request id.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn has_requested(&self, owner: &str, request_id: &str) -> Result<bool> {
+        let request = RequestId { owner, id: request_id };
+        let row: Option<Row> =
+            request.find(self.store.inner.database.read(), "*", "captures").await?;
+        Ok(row.is_some())
+    }
+
+    /// The capture that the same request made before, by the digest of its content. Nothing else is
+    /// made.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`] if that has other content or another name,
+    /// [`Error::DeletedSince`].
+    pub async fn repeated(
+        &self,
+        owner: &str,
+        request_id: &str,
+        name: &str,
+        digest: Digest,
+    ) -> Result<Capture> {
+        let request = RequestId { owner, id: request_id };
+        let row: Option<Row> =
+            request.find(self.store.inner.database.read(), "*", "captures").await?;
+        match row {
+            Some(row) => row.repeated(request, name, digest),
+            None => {
+                let mut tx = self.store.inner.database.write().await?;
+                deleted_requests::refuse(&mut tx, Kind::Captures, Some(request), None).await?;
+                // It went without a trace meanwhile: the next attempt is no repetition.
+                Err(Error::ContentBusy)
+            }
+        }
+    }
+
     /// Stores a capture and queues its ingest. The same request id with the same content and name
     /// returns the capture created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`],
-    /// [`Error::TooManyRequirements`], database and file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::QuotaJobs`],
+    /// [`Error::QuotaBytes`], [`Error::DiskFull`], [`Error::TooManyRequirements`], database and file
+    /// errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         self.store.admit()?;
-        let NewCapture { facts, request_id, content, creator, trace_parent } = new;
+        let NewCapture { facts, request_id, mut content, creator, trace_parent } = new;
         let requirements = facts.requirements.to_text()?;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
-        let upload = content.upload();
+        let (upload, reservation) = (content.upload(), content.take_reservation());
         let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
         let request = RequestId::of(&creator.owner, request_id.as_deref());
-        if let Some(request) = request {
-            let row: Option<Row> = request.find(&mut tx, "*", "captures").await?;
-            if let Some(row) = row {
-                let same_name = row.first_name() == facts.display_name;
-                let before = Capture::try_from(row)?;
-                if before.digest == digest && same_name {
+        if let Some(request) = request
+            && let Some(row) = request.find::<Row>(&mut tx, "*", "captures").await?
+        {
+            match row.repeated(request, &facts.display_name, digest) {
+                Ok(before) => {
                     if let Some(upload) = upload {
                         uploads::stored(&mut tx, upload, before.id).await?;
                         tx.commit().await?;
                     }
                     return Ok(before);
                 }
-                drop((tx, guard));
-                self.store.release(&digest.to_hex()).await?;
-                let (request_id, name) = (request.id.to_owned(), before.id.to_string());
-                return Err(Error::RequestIdTaken { request_id, name });
+                Err(error) => {
+                    drop((tx, guard));
+                    self.store.release(&digest.to_hex()).await?;
+                    return Err(error);
+                }
             }
         }
-        let more = More { jobs: 1, bytes: size_bytes, upload };
+        let held = reservation.as_ref().map(Reservation::held);
+        let held = held.or(upload.map(|upload| upload.uuid().to_string()));
+        let more = More { jobs: 1, bytes: size_bytes, held };
         let admitted = async {
             deleted_requests::refuse(&mut tx, Kind::Captures, request, upload).await?;
             quotas::require(&mut tx, &creator, more).await?;
@@ -223,9 +275,15 @@ impl Captures<'_> {
         };
         let now = self.store.now_micros();
         let ingest = jobs::enqueue(&mut tx, &row.id, &facts.ingest, asked, now).await?;
+        if let Some(reservation) = &reservation {
+            reservation.settle(&mut tx).await?;
+        }
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
+        if let Some(reservation) = reservation {
+            reservation.settled();
+        }
         self.store.jobs().changed(&ingest);
         self.store.pass(Failpoint::AfterCommit)?;
         row.try_into()

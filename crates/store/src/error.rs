@@ -113,8 +113,8 @@ pub enum Error {
     #[problem(ResourceExhausted, "QUOTA_QUEUED_JOBS")]
     QuotaJobs { owner: String, queued: u64, limit: u64 },
     #[error(
-        "{owner} has {stored} bytes stored, and with {more} more there were more than its key allows \
-         ({limit}): delete captures or twins"
+        "{owner} has {stored} bytes stored or on their way, which leaves no room for {more} more within \
+         the {limit} that its key allows: delete captures or twins, or terminate uploads"
     )]
     #[problem(ResourceExhausted, "QUOTA_STORED_BYTES")]
     QuotaBytes { owner: String, stored: u64, more: u64, limit: u64 },

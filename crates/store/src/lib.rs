@@ -79,6 +79,13 @@
 //!
 //! The crash points are named in [`failpoint`] and are inputs of the tests.
 //!
+//! # Quotas of bytes
+//! No byte of a client is written for which its owner has no room. Content has its bytes set aside
+//! before they are received, in the row of its resumable upload or in one of `reservations`, within
+//! the transaction that compares them with the bound; so uploads at the same time, also at several
+//! servers, do not exceed it together. `keys::quotas` has the rules. Results of workers are stored
+//! beyond the bound, too: they count, and their owner makes nothing new until it has room again.
+//!
 //! # SQLite and PostgreSQL
 //! SQL is in one file per aggregate, in what both dialects share (`$1`, `returning`, `on conflict`),
 //! and so are the migrations. `sql` runs a statement on either database. The differences are in
@@ -113,6 +120,7 @@ mod sql;
 mod store;
 mod twins;
 mod uploads;
+mod usage;
 
 pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
 pub use captures::{
@@ -134,7 +142,7 @@ pub use jobs::{
 };
 pub use keys::{
     Key, Keys, NewKey,
-    quotas::{Creator, Quotas},
+    quotas::{Creator, Quotas, reservation::Incoming},
 };
 pub use labels::{LabelChange, Labels, MAX_TAGS};
 pub use listing::{
@@ -154,6 +162,7 @@ pub use uploads::{
     FIRST_ROOM, NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse,
     UploadWriter, Uploads,
 };
+pub use usage::{OwnerUsage, StoredBytes, Usage};
 
 /// BLAKE3 digest of a blob.
 pub use blake3::Hash as Digest;

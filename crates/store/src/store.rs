@@ -11,7 +11,7 @@ use tokio::sync::{Notify, broadcast};
 use self::clock::micros;
 use crate::{
     Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Owners, Projects,
-    Result, Servers, SystemClock, Twins, Uploads, Workers,
+    Result, Servers, SystemClock, Twins, Uploads, Usage, Workers,
     blobs::{Place, arrivals, files, own},
     database::{self, Database, Wakes, migrations},
     failpoint::{Armed, Failpoint},
@@ -145,6 +145,9 @@ impl Store {
             let age = if remote { arrivals::TAKEN_OVER } else { Duration::ZERO };
             store.take_over_deletions(age).await?;
         }
+        if !store.is_shared() {
+            store.forget_reservations().await?;
+        }
         match store.collect_garbage().await {
             Err(Error::DiskFull) => tracing::warn!("unused content stays while the disk is full"),
             collected => collected?,
@@ -209,6 +212,11 @@ impl Store {
     /// Owners of resources.
     pub fn owners(&self) -> Owners<'_> {
         Owners { store: self }
+    }
+
+    /// What is stored and under way by owner.
+    pub fn usage(&self) -> Usage<'_> {
+        Usage { store: self }
     }
 
     /// Content: uploads and downloads.

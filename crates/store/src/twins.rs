@@ -10,7 +10,7 @@ use crate::{
     Content, Creator, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
     deleted_requests::{self, Kind},
     failpoint::Failpoint,
-    keys::quotas::{self, More},
+    keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, row::row},
@@ -118,6 +118,17 @@ impl Row {
     fn first_name(&self) -> &str {
         self.first_name.as_ref().unwrap_or(&self.display_name)
     }
+
+    /// The twin, if the request that made it is this one.
+    fn repeated(self, request: RequestId<'_>, display_name: &str, digest: Digest) -> Result<Twin> {
+        let same_name = self.first_name() == display_name;
+        let before = Twin::try_from(self)?;
+        if before.digest == digest && same_name {
+            return Ok(before);
+        }
+        let (request_id, name) = (request.id.to_owned(), before.id.to_string());
+        Err(Error::RequestIdTaken { request_id, name })
+    }
 }
 
 impl TryFrom<Row> for Twin {
@@ -204,34 +215,70 @@ pub(crate) async fn insert(tx: &mut Transaction, new: Insert<'_>) -> Result<Twin
 }
 
 impl Twins<'_> {
+    /// True if there is a twin that was imported under a request id.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn has_requested(&self, owner: &str, request_id: &str) -> Result<bool> {
+        let request = RequestId { owner, id: request_id };
+        let row: Option<Row> =
+            request.find(self.store.inner.database.read(), "*", "twins").await?;
+        Ok(row.is_some())
+    }
+
+    /// The twin that the same request imported before, by the digest of its file. Nothing else is
+    /// made.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`] if that has other content or another name,
+    /// [`Error::DeletedSince`].
+    pub async fn repeated(
+        &self,
+        owner: &str,
+        request_id: &str,
+        name: &str,
+        digest: Digest,
+    ) -> Result<Twin> {
+        let request = RequestId { owner, id: request_id };
+        let row: Option<Row> =
+            request.find(self.store.inner.database.read(), "*", "twins").await?;
+        match row {
+            Some(row) => row.repeated(request, name, digest),
+            None => {
+                let mut tx = self.store.inner.database.write().await?;
+                deleted_requests::refuse(&mut tx, Kind::Twins, Some(request), None).await?;
+                // It went without a trace meanwhile: the next attempt is no repetition.
+                Err(Error::ContentBusy)
+            }
+        }
+    }
+
     /// Stores an imported twin. The same request id with the same content and name returns the twin
     /// created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::DiskFull`], database and file
-    /// errors.
+    /// [`Error::RequestIdTaken`], [`Error::DeletedSince`], [`Error::QuotaBytes`],
+    /// [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewTwin) -> Result<Twin> {
         self.store.admit()?;
-        let NewTwin { display_name, request_id, facts, content, creator } = new;
+        let NewTwin { display_name, request_id, facts, mut content, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
+        let reservation = content.take_reservation();
         let guard = self.store.publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
         let request = RequestId::of(&creator.owner, request_id.as_deref());
-        if let Some(request) = request {
-            let row: Option<Row> = request.find(&mut tx, "*", "twins").await?;
-            if let Some(row) = row {
-                let same_name = row.first_name() == display_name;
-                let before = Twin::try_from(row)?;
-                drop((tx, guard));
-                if before.digest == digest && same_name {
-                    return Ok(before);
-                }
+        if let Some(request) = request
+            && let Some(row) = request.find::<Row>(&mut tx, "*", "twins").await?
+        {
+            drop((tx, guard));
+            let before = row.repeated(request, &display_name, digest);
+            if before.is_err() {
                 self.store.release(&digest.to_hex()).await?;
-                let (request_id, name) = (request.id.to_owned(), before.id.to_string());
-                return Err(Error::RequestIdTaken { request_id, name });
             }
+            return before;
         }
-        let more = More { bytes: size_bytes, ..More::default() };
+        let held = reservation.as_ref().map(Reservation::held);
+        let more = More { jobs: 0, bytes: size_bytes, held };
         let admitted = async {
             deleted_requests::refuse(&mut tx, Kind::Twins, request, None).await?;
             quotas::require(&mut tx, &creator, more).await
@@ -254,9 +301,15 @@ impl Twins<'_> {
             now: self.store.now_micros(),
         };
         let twin = insert(&mut tx, new).await?;
+        if let Some(reservation) = &reservation {
+            reservation.settle(&mut tx).await?;
+        }
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
+        if let Some(reservation) = reservation {
+            reservation.settled();
+        }
         self.store.pass(Failpoint::AfterCommit)?;
         Ok(twin)
     }

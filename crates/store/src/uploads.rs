@@ -156,11 +156,13 @@ impl Uploads<'_> {
     }
 
     /// Ends expired uploads, unless a writer holds them, and forgets those that ended long ago.
-    /// Those that expire now are remembered for `keep`. Returns their number.
+    /// Those that expire now are remembered for `keep`. Bytes that a server which has died set aside
+    /// for content in one request are free again. Returns the number of expired uploads.
     ///
     /// # Errors
     /// Database and file errors.
     pub async fn sweep(&self, keep: Duration) -> Result<usize> {
+        self.store.sweep_reservations().await?;
         let now = self.store.now_micros();
         let mut tx = self.store.inner.database.write().await?;
         query("delete from uploads where state <> 'receiving' and expires_at < $1")

@@ -33,6 +33,7 @@ const TAGS: [(&str, &str); 11] = [
     ("SessionService", "sessions"),
     ("KeyService", "keys"),
     ("ProjectService", "projects"),
+    ("UsageService", "usage"),
     ("WorkerService", "workers"),
 ];
 

@@ -9,7 +9,7 @@ use std::{
 };
 
 use bendtwin_core::ids::KeyId;
-use bendtwin_store::{Key, Memberships, Store};
+use bendtwin_store::{Key, Memberships, Quotas, Store};
 use jiff::Timestamp;
 use tokio::time::Instant;
 
@@ -27,6 +27,8 @@ const USE_INTERVAL: Duration = Duration::from_secs(60);
 #[derive(Clone, Debug)]
 pub(crate) struct KeyRing {
     store: Store,
+    /// Bounds of keys that state none.
+    defaults: Quotas,
     inner: Arc<Inner>,
 }
 
@@ -73,11 +75,11 @@ struct Snapshot {
 }
 
 impl KeyRing {
-    pub(crate) fn new(store: Store) -> Self {
-        Self { store, inner: Arc::default() }
+    pub(crate) fn new(store: Store, defaults: Quotas) -> Self {
+        Self { store, defaults, inner: Arc::default() }
     }
 
-    /// A key; none if there is no such one.
+    /// A key, with the bounds that hold for it; none if there is no such one.
     ///
     /// # Errors
     /// If the store cannot be read: then no key counts.
@@ -133,7 +135,8 @@ impl KeyRing {
         let read = Instant::now();
         let memberships = Arc::new(self.store.projects().memberships().await?);
         let keys = self.store.keys().all().await?;
-        let keys = keys.into_iter().map(|key| (key.id, Arc::new(key))).collect();
+        let bounded = |key: Key| Key { quotas: key.quotas.or(&self.defaults), ..key };
+        let keys = keys.into_iter().map(|key| (key.id, Arc::new(bounded(key)))).collect();
         let keys = Arc::new(Everyone { keys, memberships });
         let mut known = self.inner.known.write().unwrap_or_else(PoisonError::into_inner);
         if known.changes == changes {

@@ -10,7 +10,7 @@ use bendtwin_proto::v1::{
 };
 use bendtwin_store::{Capture, CaptureFacts, Content, Creator, NewCapture, Overview, Page, Staged};
 
-use super::{App, Body, Error, Result};
+use super::{App, Body, Error, Result, receive::Receiving};
 use crate::{access::Scope, audit, context::Context};
 
 impl App {
@@ -23,11 +23,27 @@ impl App {
         let digest = super::digest(&metadata.digest)?;
         let facts = self.capture_facts(metadata)?;
         self.require_room(0)?;
+        let owner = Context::current().caller.owner;
+        let is_repetition = match &request_id {
+            Some(request_id) => self.store.captures().has_requested(&owner, request_id).await?,
+            None => false,
+        };
         let limit = self.options.limits.capture_bytes;
         let _buffers = self.memory.upload().await?;
-        let content = self.receive(body, limit, digest, |_| ()).await?;
+        let receiving = Receiving::Upload { jobs: 1, limit, is_repetition };
+        let content = self.receive(body, receiving, digest).await?;
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
+        }
+        if let Some(request_id) = request_id.as_deref().filter(|_| content.is_compared()) {
+            let done: Result<Overview> = async {
+                let (captures, name) = (self.store.captures(), &facts.display_name);
+                let capture = captures.repeated(&owner, request_id, name, content.digest()).await?;
+                Ok(captures.overview(capture.id).await?)
+            }
+            .await;
+            audit::made("CreateCapture", &done, |overview| overview.capture.id.to_string());
+            return done;
         }
         let creator = Context::current().caller.creator();
         self.store_capture(facts, request_id, content, creator).await

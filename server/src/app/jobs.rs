@@ -13,7 +13,7 @@ use bendtwin_store::{
     Observation, Supplement, SupplementKind, TwinFacts, WorkerEnd,
 };
 
-use super::{App, Body, Error, Result, captures::supplements};
+use super::{App, Body, Error, Result, captures::supplements, receive::Receiving};
 
 /// News of a worker about its job.
 #[derive(Clone, Debug, Default)]
@@ -171,7 +171,8 @@ impl App {
     ) -> Result<()> {
         self.store.jobs().check_lease(lease).await?;
         let limit = self.options.limits.checkpoint_bytes;
-        let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
+        let receiving = Receiving::Result(limit);
+        let content = self.receive(body, receiving, super::digest(digest)?).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
         self.change(async move { store.jobs().save_checkpoint(lease, content, renew).await })
             .await?;
@@ -188,7 +189,8 @@ impl App {
     ) -> Result<TwinId> {
         self.store.jobs().check_lease(lease).await?;
         let limit = self.options.limits.twin_bytes;
-        let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
+        let receiving = Receiving::Result(limit);
+        let content = self.receive(body, receiving, super::digest(digest)?).await?;
         let found = self.check_twin(&content).await?;
         results::compare_facts(&facts, &found)?;
         let facts = found;

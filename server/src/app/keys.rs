@@ -1,4 +1,7 @@
-//! Keys of clients: made, listed, revoked. `access` decides what they allow.
+//! Keys of clients: made, listed, revoked. `access` decides what they allow, `usage` tells what their
+//! owners have.
+
+pub(super) mod usage;
 
 use bendtwin_core::ids::KeyId;
 use bendtwin_store::{Key, NewKey, Page, PageRequest, Quotas};

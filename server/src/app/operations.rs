@@ -66,7 +66,10 @@ impl App {
         for (size, waiting) in Size::ALL.into_iter().zip(self.dispatch.waiting()) {
             self.metrics.rollouts_waiting(size.as_str(), waiting);
         }
-        let gauges = Gauges { workers, rollouts, memory: self.dispatch.memory(), uploads };
+        let usage = self.recent_usage().await;
+        let usage = usage.inspect_err(|error| tracing::warn!(%error, "no metrics by owner")).ok();
+        let memory = self.dispatch.memory();
+        let gauges = Gauges { workers, rollouts, memory, uploads, usage };
         let (used, total) = self.memory.state();
         self.metrics.memory_budget(used, total);
         self.certificates.measure(&self.metrics);

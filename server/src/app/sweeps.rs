@@ -1,5 +1,5 @@
 //! The work that a server repeats by itself: leases end, uploads expire, unused content goes, uses
-//! of keys are recorded, and certificates are read again.
+//! of keys are recorded, sizes are filled in, and certificates are read again.
 
 use std::time::Duration;
 
@@ -19,12 +19,13 @@ const LEASE_INTERVAL: Duration = Duration::from_secs(1);
 const UPLOAD_INTERVAL: Duration = Duration::from_secs(60);
 /// Interval at which the last uses of keys are recorded.
 const KEY_USE_INTERVAL: Duration = Duration::from_secs(30);
-/// Interval at which unused content is searched for; the store also does so when it opens.
+/// Interval at which unused content is searched for, which the store also does when it opens, and rows
+/// that lack sizes.
 const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 
 /// The tasks.
 #[derive(Debug)]
-pub(crate) struct Sweeps([JoinHandle<()>; 4]);
+pub(crate) struct Sweeps([JoinHandle<()>; 5]);
 
 impl Sweeps {
     pub(crate) fn start(app: &App) -> Self {
@@ -34,6 +35,7 @@ impl Sweeps {
             tokio::spawn(uploads(app.clone())),
             tokio::spawn(key_uses(app.clone())),
             tokio::spawn(members(app.clone())),
+            tokio::spawn(sizes(app.clone())),
         ])
     }
 
@@ -101,6 +103,20 @@ async fn members(app: App) {
         app.store.members_changed().await;
         if let Err(error) = app.learn().await {
             tracing::error!(%error, "cannot read the workers of the fleet; trying again");
+        }
+    }
+}
+
+/// Fills in sizes that rows of older versions lack, immediately and then at intervals: servers of the
+/// version before may run beside this one.
+async fn sizes(app: App) {
+    let mut tick = ticks(GARBAGE_COLLECTION_INTERVAL);
+    loop {
+        tick.tick().await;
+        match app.store.settle_sizes().await {
+            Ok(0) => {}
+            Ok(rows) => tracing::info!(rows, "sizes of what is stored filled in"),
+            Err(error) => tracing::error!(%error, "cannot fill in sizes; trying again"),
         }
     }
 }

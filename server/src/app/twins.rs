@@ -7,6 +7,7 @@ use bendtwin_store::{Content, NewTwin, Page, Twin};
 use super::{
     App, Body, Result,
     labels::{Listing, ORDERS},
+    receive::Receiving,
 };
 use crate::{access::Scope, audit, context::Context};
 
@@ -18,9 +19,19 @@ impl App {
             let request_id = super::request_id(metadata.request_id)?;
             let digest = super::digest(&metadata.digest)?;
             self.require_room(0)?;
+            let owner = Context::current().caller.owner;
+            let is_repetition = match &request_id {
+                Some(request_id) => self.store.twins().has_requested(&owner, request_id).await?,
+                None => false,
+            };
             let limit = self.options.limits.twin_bytes;
             let _buffers = self.memory.upload().await?;
-            let content = self.receive(body, limit, digest, |_| ()).await?;
+            let receiving = Receiving::Upload { jobs: 0, limit, is_repetition };
+            let content = self.receive(body, receiving, digest).await?;
+            if let Some(request_id) = request_id.as_deref().filter(|_| content.is_compared()) {
+                let twins = self.store.twins();
+                return Ok(twins.repeated(&owner, request_id, &display_name, content.digest()).await?);
+            }
             let facts = self.check_twin(&content).await?;
             let creator = Context::current().caller.creator();
             let new = NewTwin { display_name, request_id, facts, content, creator };

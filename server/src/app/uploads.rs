@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_store::{
-    Creator, NewResumableUpload, Page, PageRequest, Quotas, ResumableUpload, UploadBounds,
+    Error as StoreError, NewResumableUpload, Page, PageRequest, ResumableUpload, UploadBounds,
     UploadState, UploadWriter,
 };
 use futures::StreamExt as _;
@@ -102,8 +102,9 @@ impl App {
         let (app, id) = (self.clone(), self.reach(SCOPE, name).await?);
         let quotas = Context::current().caller.quotas;
         run_detached(async move {
-            let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
-            app.finish_if_whole(writer, quotas).await
+            let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
+            writer.bind(quotas);
+            app.finish_if_whole(writer).await
         })
         .await
     }
@@ -119,8 +120,9 @@ impl App {
         let quotas = Context::current().caller.quotas;
         run_detached(async move {
             let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
+            writer.bind(quotas);
             app.append(&mut writer, append).await?;
-            app.finish_if_whole(writer, quotas).await
+            app.finish_if_whole(writer).await
         })
         .await
     }
@@ -148,7 +150,7 @@ impl App {
         for id in self.store.uploads().whole().await? {
             // The request with the last byte may be finishing it.
             match self.store.uploads().claim(id, Duration::ZERO).await {
-                Ok(writer) => drop(self.finish_if_whole(writer, Quotas::default()).await),
+                Ok(writer) => drop(self.finish_if_whole(writer).await),
                 Err(error) => tracing::debug!(upload = %id, %error, "not finished now"),
             }
         }
@@ -173,6 +175,7 @@ impl App {
             return Err(Error::UploadTooLong { limit: offset + room });
         }
         self.require_room(append.size_bytes.unwrap_or(0))?;
+        writer.reserve(append.size_bytes.unwrap_or(1)).await?;
         let received = self.receive_into(writer, append, room).await;
         let arrived = writer.pending();
         // A checksum vouches for all or nothing, and after an error of the disk nothing is sure.
@@ -186,6 +189,9 @@ impl App {
             && let Err(error) = writer.discard().await
         {
             tracing::warn!(%error, "the next request has to cut off what this one left");
+        }
+        if let Err(error) = writer.give_back().await {
+            tracing::debug!(%error, "the next request gives back what this one set aside");
         }
         let kept = kept?;
         self.metrics.upload_bytes(if kept { arrived } else { 0 });
@@ -201,14 +207,13 @@ impl App {
     ) -> Result<(), Interrupted> {
         let buffers = self.memory.resumable_upload(self.store.uploads().buffers()).await;
         let _buffers = buffers.map_err(|error| Interrupted { error, keep_it: true })?;
-        let (mut body, mut checksum) = (append.body, append.checksum);
+        let (mut body, mut checksum) = (append.body.chunks, append.checksum);
         let idle = self.options.limits.upload_idle();
         let broken = |error: Error, checksum: &Option<Checksum>| Interrupted {
             error,
             keep_it: checksum.is_none(),
         };
-        let lost =
-            |error: bendtwin_store::Error| Interrupted { error: error.into(), keep_it: false };
+        let lost = |error: StoreError| Interrupted { error: error.into(), keep_it: false };
         let wanted = writer.wanted();
         tokio::pin!(wanted);
         let mut left = room;
@@ -235,7 +240,12 @@ impl App {
             if let Some(checksum) = &mut checksum {
                 checksum.update(&chunk);
             }
-            writer.write(&chunk).await.map_err(lost)?;
+            // What came before a chunk without room is sound: the owner may delete something and
+            // continue.
+            writer.write(&chunk).await.map_err(|error| match error {
+                error @ StoreError::QuotaBytes { .. } => broken(error.into(), &checksum),
+                error => lost(error),
+            })?;
             if checksum.is_none() && writer.pending() >= COMMIT_BYTES {
                 let pending = writer.pending();
                 self.commit(writer).await.map_err(lost)?;
@@ -274,18 +284,13 @@ impl App {
         }
     }
 
-    /// Makes the capture of a complete upload, and returns the upload's new state. `quotas` are
-    /// those of the key with which its last byte came.
-    async fn finish_if_whole(
-        &self,
-        mut writer: UploadWriter,
-        quotas: Quotas,
-    ) -> Result<ResumableUpload> {
+    /// Makes the capture of a complete upload, and returns the upload's new state.
+    async fn finish_if_whole(&self, mut writer: UploadWriter) -> Result<ResumableUpload> {
         let upload = writer.upload().clone();
         if upload.state != UploadState::Receiving || !upload.is_whole() {
             return Ok(upload);
         }
-        match self.finish(&mut writer, &upload, quotas).await {
+        match self.finish(&mut writer, &upload).await {
             Ok(()) => Ok(self.store.uploads().get(upload.id).await?),
             // Trying again will not help: the client is to learn it once more if it missed it now.
             Err(error)
@@ -302,16 +307,11 @@ impl App {
         }
     }
 
-    async fn finish(
-        &self,
-        writer: &mut UploadWriter,
-        upload: &ResumableUpload,
-        quotas: Quotas,
-    ) -> Result<()> {
+    async fn finish(&self, writer: &mut UploadWriter, upload: &ResumableUpload) -> Result<()> {
         let facts = self.capture_facts(Metadata::parse(&upload.metadata)?.capture)?;
         let content = writer.stage().await?;
-        let creator = Creator { owner: upload.owner.clone(), quotas };
-        self.store_capture(facts, upload.request_id.clone(), content, creator).await?;
+        let (request_id, creator) = (upload.request_id.clone(), writer.creator());
+        self.store_capture(facts, request_id, content, creator).await?;
         Ok(())
     }
 

@@ -3,7 +3,8 @@
 use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::{json::timestamp as time, v1};
 use bendtwin_store::{
-    Job, Key, Overview, PageRequest, Project, Quotas, Requirements, State, Supplement, Twin,
+    Job, Key, Overview, OwnerUsage, PageRequest, Project, Quotas, Requirements, State, StoredBytes,
+    Supplement, Twin,
 };
 use jiff::Timestamp;
 
@@ -264,8 +265,34 @@ pub(super) fn quotas(quotas: v1::KeyQuotas) -> Quotas {
     Quotas { queued_jobs, stored_bytes, rollouts }
 }
 
+fn quotas_message(quotas: Quotas) -> v1::KeyQuotas {
+    let Quotas { queued_jobs, stored_bytes, rollouts } = quotas;
+    v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }
+}
+
+pub(super) fn usage(usage: OwnerUsage) -> v1::OwnerUsage {
+    let StoredBytes { captures, derived, twins, checkpoints, uploads } = usage.stored;
+    let total = usage.stored.total();
+    v1::OwnerUsage {
+        owner: usage.owner,
+        captures: usage.captures,
+        fits: usage.fits,
+        twins: usage.twins,
+        stored_bytes: Some(v1::StoredBytes {
+            total,
+            captures,
+            derived,
+            twins,
+            checkpoints,
+            uploads,
+        }),
+        queued_jobs: usage.queued_jobs,
+        running_jobs: usage.running_jobs,
+        quotas: Some(quotas_message(usage.quotas)),
+    }
+}
+
 pub(super) fn key(key: Key) -> v1::Key {
-    let Quotas { queued_jobs, stored_bytes, rollouts } = key.quotas;
     v1::Key {
         name: key.id.to_string(),
         display_name: key.display_name,
@@ -275,7 +302,7 @@ pub(super) fn key(key: Key) -> v1::Key {
         expire_time: key.expires.map(time),
         revoke_time: key.revoked.map(time),
         last_use_time: key.used.map(time),
-        quotas: Some(v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }),
+        quotas: Some(quotas_message(key.quotas)),
     }
 }
 

@@ -26,10 +26,10 @@ where
     let Some(Part::Metadata(metadata)) = first.map(&part) else {
         return Err(Error::invalid("metadata", "must come in the first message of an upload"));
     };
-    let body = stream.map(move |message| match message.map(&part) {
+    let chunks = stream.map(move |message| match message.map(&part) {
         Ok(Part::Chunk(chunk)) => Ok(chunk),
         Ok(_) => Err(Error::invalid("chunk", "must be in every message after the first")),
         Err(status) => Err(broken(status)),
     });
-    Ok((metadata, body.boxed()))
+    Ok((metadata, Body { chunks: chunks.boxed(), size_bytes: None }))
 }

@@ -7,6 +7,7 @@ use axum::{
 use bendtwin_contract::rollout;
 use bendtwin_proto::json::{Fields, from_query};
 use futures::{StreamExt, TryStreamExt};
+use hyper::body::Body as HttpBody;
 use serde::de::DeserializeOwned;
 
 use crate::{
@@ -119,7 +120,10 @@ pub(super) async fn whole(
 
 /// A body to be streamed.
 pub(super) fn upload_body(request: Request) -> app::Body {
-    TryStreamExt::map_err(request.into_body().into_data_stream(), |e| broken(&e)).boxed()
+    let body = request.into_body();
+    let size_bytes = HttpBody::size_hint(&body).exact();
+    let chunks = TryStreamExt::map_err(body.into_data_stream(), |e| broken(&e)).boxed();
+    app::Body { chunks, size_bytes }
 }
 
 fn broken(error: &(dyn std::error::Error + 'static)) -> Error {

@@ -121,6 +121,21 @@ impl Server {
         found.is_some_and(|path| std::fs::remove_file(path).is_ok())
     }
 
+    /// Bytes of the files below the folder of blobs, its identity apart.
+    pub(crate) fn blob_bytes(&self) -> u64 {
+        fn sum(path: &std::path::Path) -> u64 {
+            let Ok(entries) = std::fs::read_dir(path) else { return 0 };
+            let size = |entry: std::fs::DirEntry| match entry.path().is_dir() {
+                true => sum(&entry.path()),
+                false => entry.metadata().map_or(0, |file| file.len()),
+            };
+            entries.flatten().map(size).sum()
+        }
+        let blobs = self.dir.path().join("data/blobs");
+        let identity = std::fs::metadata(blobs.join("identity")).map_or(0, |file| file.len());
+        sum(&blobs).saturating_sub(identity)
+    }
+
     /// Files below the folder of blobs, its identity apart.
     pub(crate) fn blob_files(&self) -> usize {
         fn count(path: &std::path::Path) -> usize {

@@ -47,7 +47,8 @@ struct Create {
     /// Most fits and ingests of its owner that wait for a worker
     #[arg(long, value_name = "N")]
     max_queued_jobs: Option<u64>,
-    /// Most that captures, twins and uploads of its owner take [bytes]
+    /// Most that is stored for its owner: captures with all that is made of them, twins, checkpoints
+    /// and uploads [bytes]
     #[arg(long, value_name = "BYTES")]
     max_stored_bytes: Option<u64>,
     /// Most rollouts of its owner at a time

@@ -33,6 +33,7 @@ from bendtwin.resources import (
     JobState,
     LossCurve,
     Project,
+    OwnerUsage,
     Requirements,
     TwinInfo,
     Worker,
@@ -56,6 +57,8 @@ from bendtwin.v1 import (
     session_pb2_grpc,
     twin_pb2,
     twin_pb2_grpc,
+    usage_pb2,
+    usage_pb2_grpc,
     worker_pb2,
     worker_pb2_grpc,
 )
@@ -79,6 +82,7 @@ class Services:
         self.captures = capture_pb2_grpc.CaptureServiceStub(channel)
         self.fits = fit_pb2_grpc.FitServiceStub(channel)
         self.twins = twin_pb2_grpc.TwinServiceStub(channel)
+        self.usage = usage_pb2_grpc.UsageServiceStub(channel)
         self.workers = worker_pb2_grpc.WorkerServiceStub(channel)
         self.projects = project_pb2_grpc.ProjectServiceStub(channel)
         self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
@@ -525,6 +529,20 @@ def list_workers() -> Pages[Worker]:
         lambda s: s.workers.ListWorkers,
         worker_pb2.ListWorkersRequest(),
         lambda page: [Worker.from_proto(w) for w in page.workers],
+    )
+
+
+def get_usage() -> Call[OwnerUsage]:
+    """Usage of the owner of the key that is used."""
+    return Call(lambda s: s.usage.GetUsage, usage_pb2.GetUsageRequest(), OwnerUsage.from_proto)
+
+
+def list_owner_usage() -> Pages[OwnerUsage]:
+    """Usage of all owners."""
+    return Pages(
+        lambda s: s.usage.ListOwnerUsage,
+        usage_pb2.ListOwnerUsageRequest(),
+        lambda page: [OwnerUsage.from_proto(owner) for owner in page.owners],
     )
 
 

@@ -32,6 +32,7 @@ from bendtwin.resources import (
     JobState,
     LossCurve,
     Project,
+    OwnerUsage,
     Requirements,
     TwinInfo,
     Worker,
@@ -450,6 +451,15 @@ class Client:
     def delete_project(self, name: str) -> None:
         """Deletes a project. Its members keep what they have, and no longer share it."""
         self._caller.run(calls.delete_project(name))
+    # Usage
+
+    def usage(self) -> OwnerUsage:
+        """What is stored for the owner of the key that is used, its jobs, and its quotas."""
+        return self._caller.run(calls.get_usage())
+
+    def owner_usage(self) -> Iterator[OwnerUsage]:
+        """The same of all owners, by name; it takes the scope `admin`."""
+        return self._caller.pages(calls.list_owner_usage())
 
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)

@@ -1,4 +1,4 @@
-"""Resources of a server as plain values: captures, fits, twins, sessions, workers."""
+"""Resources of a server as plain values: captures, fits, twins, sessions, workers, usage."""
 
 from __future__ import annotations
 
@@ -304,6 +304,51 @@ class Project(FromMessage):
     #: Names of owners, sorted.
     members: tuple[str, ...]
     create_time: datetime | None
+class StoredBytes(FromMessage):
+    """Sizes of what is stored for an owner, bytes. Equal content counts for each resource."""
+
+    #: The sum, which the quota bounds.
+    total: int
+    #: Archives of captures, and files that were added to them.
+    captures: int
+    #: Observations, playbacks, masks and reports, which ingests made.
+    derived: int
+    twins: int
+    #: Checkpoints of jobs that have not ended.
+    checkpoints: int
+    #: Uploads in progress: the declared sizes, or what has arrived and is set aside for more.
+    uploads: int
+
+
+@dataclass(frozen=True)
+class Quotas(FromMessage):
+    """Bounds on what the owner of a key may have; None for no bound."""
+
+    #: Fits and ingests that wait for a worker.
+    queued_jobs: int | None = None
+    #: Size of everything stored for the owner.
+    stored_bytes: int | None = None
+    #: Rollouts, plans, registrations and evaluations in progress at one server.
+    rollouts: int | None = None
+
+
+@dataclass(frozen=True)
+class OwnerUsage(FromMessage):
+    """What is stored for an owner, and its jobs."""
+
+    #: Name of the owner; empty for what was made where no key was required.
+    owner: str
+    captures: int
+    #: Fits, ended ones included.
+    fits: int
+    twins: int
+    stored_bytes: StoredBytes
+    #: Fits and ingests that wait for a worker.
+    queued_jobs: int
+    #: Fits and ingests that run.
+    running_jobs: int
+    #: Quotas of the key that is used; in a list the widest among the owner's valid keys.
+    quotas: Quotas
 
 
 @dataclass(frozen=True)

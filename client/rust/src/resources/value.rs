@@ -220,6 +220,7 @@ macro_rules! defaults {
 defaults!(
     v1::KeyQuotas,
     v1::Residual,
+    v1::StoredBytes,
     v1::Tracking,
     v1::WorkerRequirements,
     v1::roll_out_response::Timing

@@ -1,5 +1,5 @@
 import { jobs, parseMetrics, total } from '../../api/metrics';
-import type { Capture, Fit, Twin } from '../../api/types';
+import type { Capture, Fit, OwnerUsage, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
 
 /** Most twins that are counted: there is no other way than to list them. */
@@ -23,6 +23,8 @@ export interface Numbers {
   /** `cpu` or `cuda` for each worker. */
   readonly workers: readonly string[];
   readonly diskFreeBytes: number;
+  /** What is stored for the one who looks. */
+  readonly usage: OwnerUsage;
   readonly newestCaptures: readonly Capture[];
   readonly newestFits: readonly Fit[];
   readonly newestTwins: readonly Twin[];
@@ -30,12 +32,13 @@ export interface Numbers {
 
 /** Asks the server for all numbers in parallel. */
 export async function ask({ api, signal }: PageContext): Promise<Numbers> {
-  const [text, captures, fits, twins, workers] = await Promise.all([
+  const [text, captures, fits, twins, workers, usage] = await Promise.all([
     api.fetch('/metrics', { signal }).then((answer) => answer.text()),
     api.get('/v1/captures', { query: { page_size: SHOWN }, signal }),
     api.get('/v1/fits', { query: { page_size: SHOWN }, signal }),
     api.get('/v1/twins', { query: { page_size: COUNTED }, signal }),
     api.get('/v1/workers', { signal }),
+    api.get('/v1/usage', { signal }),
   ]);
   const metrics = parseMetrics(text);
   const ingests = jobs(metrics, 'ingests');
@@ -53,6 +56,7 @@ export async function ask({ api, signal }: PageContext): Promise<Numbers> {
     hasMoreTwins: twins.next_page_token !== '',
     workers: workers.workers.map((worker) => worker.backend),
     diskFreeBytes: metrics.get('bendtwin_disk_bytes{state="free"}') ?? 0,
+    usage,
     newestCaptures: captures.captures,
     newestFits: fits.fits,
     newestTwins: twins.twins.slice(0, SHOWN),

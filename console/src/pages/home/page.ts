@@ -2,6 +2,7 @@ import type { OpenPage } from '../../page';
 import { h } from '../../ui/dom';
 import { keepingFocus } from '../../ui/focus';
 import { refresh } from '../../ui/refresh';
+import { ownUsage } from '../parts/usage';
 import { ask } from './numbers';
 import type { Numbers } from './numbers';
 import { newest } from './newest';
@@ -20,7 +21,8 @@ export const open: OpenPage = async (context) => {
     const text = JSON.stringify(numbers);
     if (text === shown) return;
     shown = text;
-    keepingFocus(element, () => element.replaceChildren(tiles(numbers), nextSteps(numbers), newest(numbers)));
+    const parts = [tiles(numbers), ownUsage(numbers.usage), nextSteps(numbers), newest(numbers)];
+    keepingFocus(element, () => element.replaceChildren(...parts));
   };
   await refresh(context, EVERY_MS, async () => draw(await ask(context)));
   return { element };

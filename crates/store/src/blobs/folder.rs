@@ -89,10 +89,11 @@ impl Folder {
         }
     }
 
-    pub(super) async fn exists(&self, path: &Path) -> Result<bool> {
+    /// Size of a file; none if it is not there.
+    pub(super) async fn size(&self, path: &Path) -> Result<Option<u64>> {
         match self.objects.head(path).await {
-            Err(object_store::Error::NotFound { .. }) => Ok(false),
-            found => Ok(found.map(|_| true)?),
+            Err(object_store::Error::NotFound { .. }) => Ok(None),
+            found => Ok(Some(found?.size)),
         }
     }
 

@@ -85,9 +85,14 @@ impl Place {
 
     /// True if it has this blob.
     pub(crate) async fn has(&self, digest: &str) -> Result<bool> {
+        Ok(self.size(digest).await?.is_some())
+    }
+
+    /// Size of a blob; none if it is not there.
+    pub(crate) async fn size(&self, digest: &str) -> Result<Option<u64>> {
         match self {
-            Self::Folder(folder) => folder.exists(&published(digest)).await,
-            Self::Bucket(bucket) => Ok(bucket.size(&published(digest)).await?.is_some()),
+            Self::Folder(folder) => folder.size(&published(digest)).await,
+            Self::Bucket(bucket) => bucket.size(&published(digest)).await,
         }
     }
 

@@ -7,7 +7,7 @@ use object_store::path::Path;
 use bendtwin_core::ids::UploadId;
 
 use super::{Blobs, Place, partial, published};
-use crate::{Digest, Error, Result};
+use crate::{Digest, Error, Result, keys::quotas::reservation::Reservation};
 
 /// Complete content that no row refers to yet: give it to the `create` of an aggregate.
 #[derive(Debug)]
@@ -18,6 +18,10 @@ pub struct Staged {
     size_bytes: u64,
     /// The resumable upload of this content: its stored bytes stay until the upload has ended.
     upload: Option<UploadId>,
+    /// Bytes that are set aside for it, until a resource is made of it.
+    reservation: Option<Reservation>,
+    /// True if it was received to be compared alone, and is nowhere.
+    is_compared: bool,
 }
 
 /// Whereabouts of staged content.
@@ -34,7 +38,25 @@ pub(crate) enum At {
 impl Staged {
     /// Content in a temporary file, which goes if it is not published.
     pub(super) fn new(blobs: Blobs, file: Path, digest: Digest, size_bytes: u64) -> Self {
-        Self { blobs, at: At::File(file), digest, size_bytes, upload: None }
+        Self::at(blobs, At::File(file), digest, size_bytes)
+    }
+
+    /// Content that was received to be compared alone.
+    pub(super) fn compared(blobs: Blobs, digest: Digest, size_bytes: u64) -> Self {
+        let mut staged = Self::at(blobs, At::Published, digest, size_bytes);
+        staged.is_compared = true;
+        staged
+    }
+
+    fn at(blobs: Blobs, at: At, digest: Digest, size_bytes: u64) -> Self {
+        let (upload, reservation) = (None, None);
+        Self { blobs, at, digest, size_bytes, upload, reservation, is_compared: false }
+    }
+
+    /// The content with the bytes that are set aside for it.
+    pub(super) fn within(mut self, reservation: Option<Reservation>) -> Self {
+        self.reservation = reservation;
+        self
     }
 
     /// The content of a resumable upload.
@@ -45,7 +67,9 @@ impl Staged {
         digest: Digest,
         size_bytes: u64,
     ) -> Self {
-        Self { blobs, at, digest, size_bytes, upload: Some(id) }
+        let mut staged = Self::at(blobs, at, digest, size_bytes);
+        staged.upload = Some(id);
+        staged
     }
 
     /// BLAKE3 of the content.
@@ -94,6 +118,16 @@ impl Staged {
     /// The resumable upload of this content.
     pub(crate) fn upload(&self) -> Option<UploadId> {
         self.upload
+    }
+
+    /// True if it was received to be compared alone, and is stored nowhere: compare its digest.
+    pub fn is_compared(&self) -> bool {
+        self.is_compared
+    }
+
+    /// The bytes that are set aside for it.
+    pub(crate) fn take_reservation(&mut self) -> Option<Reservation> {
+        self.reservation.take()
     }
 
     /// Puts it in its place, where it replaces equal content: that may have been damaged, and it

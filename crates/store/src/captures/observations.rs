@@ -9,6 +9,7 @@ use crate::{
     Captures, Content, Digest, Error, Result,
     sql::{Builder, Transaction, query, row::row},
     store::clock::from_micros,
+    usage::settle,
 };
 
 /// Observation of a capture, made by its last successful ingest.
@@ -44,6 +45,8 @@ pub(crate) struct NewResults {
     pub(crate) verdict: String,
     pub(crate) json: Digest,
     pub(crate) html: Digest,
+    /// Size of document and page together [bytes].
+    pub(crate) report_bytes: u64,
 }
 
 row! {
@@ -164,14 +167,15 @@ pub(crate) async fn replace(
 ) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
     query(
-        "insert into reports (capture, created_at, verdict, json_digest, html_digest)
-         values ($1, $2, $3, $4, $5)",
+        "insert into reports (capture, created_at, verdict, json_digest, html_digest, size_bytes)
+         values ($1, $2, $3, $4, $5, $6)",
     )
     .bind(capture)
     .bind(now)
     .bind(&made.verdict)
     .bind(made.json.to_hex().as_str())
     .bind(made.html.to_hex().as_str())
+    .bind(i64::try_from(made.report_bytes).unwrap_or(i64::MAX))
     .execute(&mut *tx)
     .await?;
     // An ingest that was refused leaves what it does not replace.
@@ -180,6 +184,7 @@ pub(crate) async fn replace(
             obsolete.extend(products::replace(tx, product, capture, made_now, now).await?);
         }
     }
+    settle::count_derived(tx, &[capture.to_owned()]).await?;
     Ok(obsolete)
 }
 

@@ -10,7 +10,7 @@ use crate::{
     Captures, Content, Creator, Digest, Error, Result, Staged,
     failpoint::Failpoint,
     jobs,
-    keys::quotas::{self, More},
+    keys::quotas::{self, More, reservation::Reservation},
     sql::{Builder, Transaction, query, query_scalar, row::row},
     store::clock::from_micros,
 };
@@ -171,10 +171,12 @@ impl Captures<'_> {
     /// [`Error::QuotaBytes`], [`Error::DiskFull`], database and file errors.
     pub async fn add_supplement(&self, new: NewSupplement) -> Result<()> {
         self.store.admit()?;
-        let NewSupplement { capture, kind, content, creator } = new;
+        let NewSupplement { capture, kind, mut content, creator } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
+        let reservation = content.take_reservation();
         let guard = self.store.publish(content).await?;
-        let stored = self.refer(capture, kind, (digest, size_bytes), &creator).await;
+        let stored =
+            self.refer(capture, kind, (digest, size_bytes), &creator, reservation.as_ref()).await;
         drop(guard);
         let obsolete = match &stored {
             Ok(replaced) => replaced.clone(),
@@ -199,6 +201,7 @@ impl Captures<'_> {
         kind: SupplementKind,
         (digest, size_bytes): (Digest, u64),
         creator: &Creator,
+        reservation: Option<&Reservation>,
     ) -> Result<Option<String>> {
         let key = capture.uuid().to_string();
         let digest = digest.to_hex();
@@ -215,7 +218,8 @@ impl Captures<'_> {
         jobs::require_idle(&mut tx, capture).await?;
         // The replaced one counts no more.
         remove(&mut tx, &key, kind).await?;
-        let more = More { bytes: size_bytes, ..More::default() };
+        let held = reservation.map(Reservation::held);
+        let more = More { jobs: 0, bytes: size_bytes, held };
         quotas::require(&mut tx, creator, more).await?;
         query(
             "insert into supplements (capture, kind, created_at, size_bytes, digest, owner)
@@ -229,6 +233,9 @@ impl Captures<'_> {
         .bind(&creator.owner)
         .execute(&mut tx)
         .await?;
+        if let Some(reservation) = reservation {
+            reservation.settle(&mut tx).await?;
+        }
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         Ok(stored)

@@ -83,8 +83,7 @@ impl Jobs<'_> {
                 .await?;
         let capture_name =
             capture_name.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
-        let more = More { jobs: 1, ..More::default() };
-        quotas::require(&mut tx, &new.creator, more).await?;
+        quotas::require(&mut tx, &new.creator, More::job()).await?;
         requirements::admit(&mut tx, Kind::Fit, &requirements).await?;
         let name = if new.display_name.is_empty() { &capture_name } else { &new.display_name };
         let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;

@@ -206,8 +206,7 @@ impl Jobs<'_> {
         let kind = deleted_requests::Kind::Jobs;
         deleted_requests::refuse(&mut tx, kind, request, None).await?;
         let before = idle_ingest(&mut tx, new.capture).await?;
-        let more = More { jobs: 1, ..More::default() };
-        quotas::require(&mut tx, &new.creator, more).await?;
+        quotas::require(&mut tx, &new.creator, More::job()).await?;
         admit_ingest(&mut tx, &requirements).await?;
         query("delete from jobs where id = $1").bind(&before.id).execute(&mut tx).await?;
         let replaced = before.request_id.as_deref();
@@ -262,6 +261,7 @@ impl Jobs<'_> {
             verdict,
             json: json.digest(),
             html: html.digest(),
+            report_bytes: json.size_bytes() + html.size_bytes(),
         };
         let contents: Vec<Staged> =
             [observation, playback, masks].into_iter().flatten().chain([json, html]).collect();

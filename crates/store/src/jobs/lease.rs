@@ -142,7 +142,7 @@ impl Jobs<'_> {
         content: Staged,
         renew: Duration,
     ) -> Result<()> {
-        let digest = content.digest().to_hex();
+        let (digest, size_bytes) = (content.digest().to_hex(), content.size_bytes());
         let guard = self.store.publish(content).await?;
         let stored: Result<Option<String>> = async {
             let mut tx = self.store.inner.database.write().await?;
@@ -150,7 +150,8 @@ impl Jobs<'_> {
             self.renew(lease, renew);
             let newer = row.checkpoint.as_deref() != Some(digest.as_str());
             query(
-                "update jobs set checkpoint = $2, lease_until = $3, stalled = $4, interrupted = $5
+                "update jobs set checkpoint = $2, lease_until = $3, stalled = $4, interrupted = $5,
+                     checkpoint_bytes = $6
                  where id = $1",
             )
             .bind(lease.job.uuid().to_string())
@@ -158,6 +159,7 @@ impl Jobs<'_> {
             .bind(self.store.lease_until(&tx, renew))
             .bind(if newer { 0 } else { row.stalled })
             .bind(if newer { 0 } else { row.interrupted })
+            .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
             .execute(&mut tx)
             .await?;
             self.store.pass(Failpoint::BeforeCommit)?;

@@ -75,6 +75,20 @@ pub struct Page<T> {
 }
 
 impl<T> Page<T> {
+    /// A page of items that are not rows, each with another key, in the order of the keys.
+    pub(crate) fn of_sorted(
+        items: Vec<T>,
+        request: &PageRequest,
+        listing: &str,
+        key: impl Fn(&T) -> String,
+    ) -> Result<Self> {
+        let items = match request.place(listing)? {
+            None => items,
+            Some(place) => items.into_iter().filter(|item| key(item) > place.key).collect(),
+        };
+        Ok(Self::cut(items, request, listing, |item| (Uuid::nil(), key(item))))
+    }
+
     /// Cuts the surplus row that [`PageRequest::fetch`] asked for. `place` are the id of a row and
     /// the key before it in the order.
     pub(crate) fn cut(

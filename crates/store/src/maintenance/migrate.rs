@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 21] = [
+const TABLES: [Table; 22] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
     Table { name: "deleted_requests", key: "kind, request_id" },
@@ -47,6 +47,7 @@ const TABLES: [Table; 21] = [
     Table { name: "project_members", key: "project, owner" },
     Table { name: "projects", key: "id" },
     Table { name: "reports", key: "capture" },
+    Table { name: "reservations", key: "id" },
     Table { name: "servers", key: "id" },
     Table { name: "store", key: "id" },
     Table { name: "supplements", key: "capture, kind" },

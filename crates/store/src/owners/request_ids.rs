@@ -10,7 +10,7 @@ use sqlx::AssertSqlSafe;
 
 use crate::{
     Result,
-    sql::{Record, Transaction, query, query_scalar},
+    sql::{Record, Target, Transaction, query, query_scalar},
 };
 
 /// Divides the id from its owner.
@@ -41,9 +41,9 @@ impl<'a> RequestId<'a> {
     }
 
     /// The row of a table that the request made.
-    pub(crate) async fn find<T: Record>(
+    pub(crate) async fn find<'t, T: Record>(
         self,
-        tx: &mut Transaction,
+        target: impl Into<Target<'t>>,
         columns: &str,
         table: &str,
     ) -> Result<Option<T>> {
@@ -55,7 +55,7 @@ impl<'a> RequestId<'a> {
             .bind(self.id)
             .bind(self.owner)
             .bind(self.qualified())
-            .fetch_optional(tx)
+            .fetch_optional(target)
             .await
     }
 

@@ -74,7 +74,7 @@ impl Uploads<'_> {
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`]; [`Error::DeletedSince`]; [`Error::UploadsFull`] beyond `bounds`;
-    /// [`Error::DiskFull`].
+    /// [`Error::QuotaJobs`], [`Error::QuotaBytes`]; [`Error::DiskFull`].
     pub async fn create(
         &self,
         new: NewResumableUpload,
@@ -133,8 +133,7 @@ impl Uploads<'_> {
             None => {
                 bounds.room(&mut tx, None, new.length_bytes.unwrap_or(0)).await?;
                 let bytes = new.length_bytes.unwrap_or(1);
-                quotas::require(&mut tx, &new.creator, More { jobs: 1, bytes, upload: None })
-                    .await?;
+                quotas::require(&mut tx, &new.creator, More { jobs: 1, bytes, held: None }).await?;
                 new.length_bytes.map(|n| i64::try_from(n).unwrap_or(i64::MAX))
             }
         };

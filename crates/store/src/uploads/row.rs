@@ -42,6 +42,9 @@ pub struct ResumableUpload {
     pub expires: Timestamp,
     /// Owner of the key with which it was begun; empty if that is not known.
     pub owner: String,
+    /// Bytes set aside in the quota of its owner while its size is not known, with those that have
+    /// arrived; fewer than these mean none beyond them.
+    pub(crate) reserved_bytes: u64,
     /// Digest of complete content that is becoming a capture.
     pub(crate) digest: Option<Digest>,
     /// Number of times that a server has claimed it, where several may.
@@ -78,6 +81,7 @@ row! {
         expires_at: i64,
         owner: String,
         lease_epoch: i64,
+        reserved_bytes: i64,
     }
 }
 
@@ -114,6 +118,7 @@ impl TryFrom<Row> for ResumableUpload {
             metadata: row.metadata,
             owner: row.owner,
             lease_epoch: row.lease_epoch,
+            reserved_bytes: row.reserved_bytes.max(0) as u64,
         })
     }
 }

@@ -6,7 +6,7 @@ use futures::TryStreamExt;
 
 use super::*;
 use crate::{
-    Capture, NewCapture,
+    Capture, NewCapture, Quotas,
     database::testing::{On, on_both, on_databases},
     failpoint::Failpoint,
     store::tests::{Bench, new_capture},
@@ -26,6 +26,8 @@ on_both! {
     uploads_of_which_nothing_has_come_give_way,
     the_room_that_is_kept_grows_with_what_has_come,
     uploads_are_listed_page_by_page,
+    declared_lengths_are_set_aside_in_the_quota,
+    an_upload_of_unknown_length_is_cut_off_at_the_quota,
 }
 
 mod files {
@@ -320,6 +322,98 @@ async fn the_room_that_is_kept_grows_with_what_has_come(on: On) {
         }
         claim(&bench, id).await.end("counted", KEEP).await.unwrap();
     }
+}
+
+fn of_ada(length_bytes: Option<u64>, quota: u64) -> NewResumableUpload {
+    let quotas = Quotas { stored_bytes: Some(quota), ..Quotas::default() };
+    let creator = crate::Creator { owner: "ada".into(), quotas };
+    NewResumableUpload { expected_digest: None, creator, ..sized(length_bytes) }
+}
+
+async fn of_uploads(bench: &Bench) -> u64 {
+    bench.store.usage().of("ada").await.unwrap().stored.uploads
+}
+
+async fn declared_lengths_are_set_aside_in_the_quota(on: On) {
+    let bench = Bench::new(on).await;
+    let uploads = bench.store.uploads();
+    let first = uploads.create(of_ada(Some(6), 8), BOUNDS).await.unwrap();
+    let refused = uploads.create(of_ada(Some(3), 8), BOUNDS).await.unwrap_err();
+    assert!(matches!(refused, Error::QuotaBytes { stored: 6, more: 3, limit: 8, .. }), "{refused}");
+    assert_eq!(of_uploads(&bench).await, 6);
+    // A length that is declared later.
+    let open = uploads.create(of_ada(None, 8), BOUNDS).await.unwrap();
+    let mut writer = claim(&bench, open.id).await;
+    writer.bind(of_ada(None, 8).creator.quotas);
+    let refused = writer.set_length(3, BOUNDS).await.unwrap_err();
+    assert!(matches!(refused, Error::QuotaBytes { stored: 6, more: 3, .. }), "{refused}");
+    writer.set_length(2, BOUNDS).await.unwrap();
+    drop(writer);
+    assert_eq!(of_uploads(&bench).await, 8);
+    // It comes to its end, although its owner has more by then.
+    append(&bench, first.id, "123456").await;
+    bench
+        .tell(
+            crate::sql::query("update uploads set length_bytes = 9 where id = $1")
+                .bind(open.id.uuid().to_string()),
+        )
+        .await;
+    let mut writer = claim(&bench, first.id).await;
+    writer.bind(of_ada(None, 8).creator.quotas);
+    let (content, creator) = (writer.stage().await.unwrap(), writer.creator());
+    let new = NewCapture { creator, ..new_capture("rope", content) };
+    bench.store.captures().create(new).await.unwrap();
+    drop(writer);
+    // What is given up is free again.
+    claim(&bench, open.id).await.end("terminated", KEEP).await.unwrap();
+    assert_eq!(of_uploads(&bench).await, 0);
+    uploads.create(of_ada(Some(2), 8), BOUNDS).await.unwrap();
+    bench.clock.advance(2 * KEEP);
+    uploads.sweep(KEEP).await.unwrap();
+    assert_eq!(of_uploads(&bench).await, 0);
+}
+
+async fn an_upload_of_unknown_length_is_cut_off_at_the_quota(on: On) {
+    const QUOTA: u64 = 3 << 20;
+    let bench = Bench::new(on).await;
+    let uploads = bench.store.uploads();
+    let quotas = of_ada(None, QUOTA).creator.quotas;
+    let id = uploads.create(of_ada(None, QUOTA), BOUNDS).await.unwrap().id;
+    let mut writer = claim(&bench, id).await;
+    writer.bind(quotas);
+    let refused = writer.reserve(QUOTA + 1).await.unwrap_err();
+    assert!(matches!(refused, Error::QuotaBytes { stored: 0, .. }), "{refused}");
+    let chunk = Bytes::from(vec![b'x'; 100_000]);
+    let refused = loop {
+        if let Err(error) = writer.write(&chunk).await {
+            break error;
+        }
+        let counted = of_uploads(&bench).await;
+        assert!((writer.pending()..=QUOTA).contains(&counted), "{counted}");
+    };
+    assert!(matches!(refused, Error::QuotaBytes { .. }), "{refused}");
+    let whole = QUOTA / 100_000 * 100_000;
+    assert_eq!((writer.pending(), of_uploads(&bench).await), (whole, QUOTA));
+    writer.commit(KEEP).await.unwrap();
+    writer.give_back().await.unwrap();
+    assert_eq!((writer.upload().offset_bytes, of_uploads(&bench).await), (whole, whole));
+    drop(writer);
+    // Others of the owner have the rest alone, and the upload none of it then.
+    let rest = uploads.create(of_ada(Some(QUOTA - whole), QUOTA), BOUNDS).await.unwrap();
+    let mut writer = claim(&bench, id).await;
+    writer.bind(quotas);
+    let refused = writer.write(&Bytes::from_static(b"x")).await.unwrap_err();
+    assert!(matches!(refused, Error::QuotaBytes { .. }), "{refused}");
+    claim(&bench, rest.id).await.end("terminated", KEEP).await.unwrap();
+    writer.write(&Bytes::from_static(b"x")).await.unwrap();
+    // A server that dies keeps no more than it had set aside, until the next request.
+    drop(writer);
+    let bench = bench.reopen().await;
+    bench.clock.advance(Duration::from_secs(11));
+    assert!(of_uploads(&bench).await <= QUOTA);
+    let mut writer = claim(&bench, id).await;
+    writer.give_back().await.unwrap();
+    assert_eq!(of_uploads(&bench).await, whole);
 }
 
 async fn uploads_are_listed_page_by_page(on: On) {

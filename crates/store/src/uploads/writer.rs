@@ -9,8 +9,9 @@ use super::{
     parts::PartSink, row::Row,
 };
 use crate::{
-    Digest, Error, Result, Staged, Store,
+    Creator, Digest, Error, Quotas, Result, Staged, Store,
     blobs::{At, Place, partial_objects},
+    keys::quotas::{self, reservation::with_step},
     sql::{Transaction, query},
 };
 
@@ -24,6 +25,8 @@ pub struct UploadWriter {
     sink: Sink,
     /// Bytes written or buffered since the last commit.
     pending: u64,
+    /// Bounds of the key that is used.
+    quotas: Quotas,
 }
 
 /// The place that the bytes go to.
@@ -39,7 +42,17 @@ impl UploadWriter {
             Place::Folder(folder) => Sink::File(FileSink::new(folder.clone())),
             Place::Bucket(bucket) => Sink::Parts(PartSink::new(bucket.clone())),
         };
-        Self { store, held, upload, sink, pending: 0 }
+        Self { store, held, upload, sink, pending: 0, quotas: Quotas::default() }
+    }
+
+    /// Lets the upload grow only within the bounds of a key on its owner.
+    pub fn bind(&mut self, quotas: Quotas) {
+        self.quotas = quotas;
+    }
+
+    /// The owner of the upload, with the bounds of the key that is used.
+    pub fn creator(&self) -> Creator {
+        Creator { owner: self.upload.owner.clone(), quotas: self.quotas }
     }
 
     /// The upload in its current state.
@@ -61,7 +74,7 @@ impl UploadWriter {
     ///
     /// # Errors
     /// [`Error::UploadLength`] if it contradicts the known size; [`Error::UploadsFull`];
-    /// [`Error::UploadLocked`] if another server has taken the upload.
+    /// [`Error::QuotaBytes`]; [`Error::UploadLocked`] if another server has taken the upload.
     pub async fn set_length(&mut self, length_bytes: u64, bounds: UploadBounds) -> Result<()> {
         let known = self.upload.length_bytes;
         if known == Some(length_bytes) {
@@ -73,6 +86,10 @@ impl UploadWriter {
         }
         let mut tx = self.begin().await?;
         bounds.room(&mut tx, Some(self.upload.id), length_bytes).await?;
+        if length_bytes > self.counted() {
+            let bytes = length_bytes..=length_bytes;
+            quotas::grant(&mut tx, &self.creator(), Some(&self.key()), bytes).await?;
+        }
         query("update uploads set length_bytes = $2 where id = $1")
             .bind(self.key())
             .bind(i64::try_from(length_bytes).unwrap_or(i64::MAX))
@@ -98,15 +115,69 @@ impl UploadWriter {
         Ok(end.saturating_sub(offset_bytes))
     }
 
-    /// Appends bytes; the caller has checked that there is room. After an error, call
-    /// [`UploadWriter::discard`].
+    /// Sets bytes aside in the quota of the owner for an upload of unknown size, `more` than have
+    /// arrived. One of a known size has all of them.
     ///
     /// # Errors
-    /// [`Error::DiskFull`], file errors; [`Error::ObjectsUnavailable`]; [`Error::UploadLocked`] if
-    /// another server has taken the upload.
+    /// [`Error::QuotaBytes`]; [`Error::UploadLocked`] if another server has taken the upload.
+    pub async fn reserve(&mut self, more: u64) -> Result<()> {
+        let total = self.upload.offset_bytes.saturating_add(more);
+        self.set_aside(total..=total).await
+    }
+
+    /// Gives back the bytes that were set aside and did not arrive. To be called at the end of a
+    /// request, after what has arrived is committed or discarded; without that they are given back
+    /// with the next request, or the upload.
+    ///
+    /// # Errors
+    /// Database errors, [`Error::UploadLocked`].
+    pub async fn give_back(&mut self) -> Result<()> {
+        let upload = &self.upload;
+        if upload.length_bytes.is_some() || upload.reserved_bytes <= upload.offset_bytes {
+            return Ok(());
+        }
+        self.write_reserved(self.begin().await?, 0).await
+    }
+
+    /// Bytes that an upload of unknown size counts for.
+    fn counted(&self) -> u64 {
+        self.upload.reserved_bytes.max(self.upload.offset_bytes)
+    }
+
+    async fn set_aside(&mut self, bytes: std::ops::RangeInclusive<u64>) -> Result<()> {
+        if self.upload.length_bytes.is_some() || *bytes.start() <= self.counted() {
+            return Ok(());
+        }
+        let mut tx = self.begin().await?;
+        let granted = quotas::grant(&mut tx, &self.creator(), Some(&self.key()), bytes).await?;
+        self.write_reserved(tx, granted).await
+    }
+
+    async fn write_reserved(&mut self, mut tx: Transaction, bytes: u64) -> Result<()> {
+        query("update uploads set reserved_bytes = $2 where id = $1")
+            .bind(self.key())
+            .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
+            .execute(&mut tx)
+            .await?;
+        tx.commit().await?;
+        self.upload.reserved_bytes = bytes;
+        Ok(())
+    }
+
+    /// Appends bytes; the caller has checked that there is room among all uploads. After an error,
+    /// call [`UploadWriter::discard`], except after [`Error::QuotaBytes`]: then these bytes were not
+    /// appended, and those before them are sound.
+    ///
+    /// # Errors
+    /// [`Error::QuotaBytes`] before anything is written; [`Error::DiskFull`], file errors;
+    /// [`Error::ObjectsUnavailable`]; [`Error::UploadLocked`] if another server has taken the
+    /// upload.
     pub async fn write(&mut self, chunk: &Bytes) -> Result<()> {
         self.require_held()?;
-        self.pending += chunk.len() as u64;
+        let pending = self.pending + chunk.len() as u64;
+        let total = self.upload.offset_bytes.saturating_add(pending);
+        self.set_aside(total..=with_step(total)).await?;
+        self.pending = pending;
         match &mut self.sink {
             Sink::File(file) => file.write(&self.store, &self.upload, chunk).await,
             Sink::Parts(parts) => parts.write(&self.store, &self.upload, chunk).await,

@@ -7,7 +7,7 @@ use bendtwin_proto::v1::SupplementMetadata;
 use bendtwin_store::{Content, NewSupplement, Overview, Staged, SupplementKind};
 use serde::Deserialize;
 
-use super::super::{self as app, App, Body, Error, Result};
+use super::super::{self as app, App, Body, Error, Result, receive::Receiving};
 use crate::{access::Scope, context::Context};
 
 /// The head of a calibration: the rest is for its readers.
@@ -43,7 +43,8 @@ impl App {
             SupplementKind::Calibration => self.options.limits.json_bytes as u64,
         };
         let _buffers = self.memory.upload().await?;
-        let content = self.receive(body, limit, digest, |_| ()).await?;
+        let receiving = Receiving::Upload { jobs: 0, limit, is_repetition: false };
+        let content = self.receive(body, receiving, digest).await?;
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the file"));
         }

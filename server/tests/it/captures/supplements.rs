@@ -240,6 +240,11 @@ async fn a_supplement_counts_in_the_quota_of_its_key_and_needs_its_scope() {
     };
     assert_eq!(put(&reader, "masks").await, (403, "SCOPE_MISSING".to_owned()));
     assert_eq!(put(&key, "masks").await.0, 200);
+    // A replacement counts beside what it replaces until it is stored.
+    assert_eq!(put(&key, "0123456789").await, (429, "QUOTA_STORED_BYTES".to_owned()));
+    let there = server.url(&format!("/v1/{capture}/supplements/masks"));
+    let deleted = server.http.delete(there).bearer_auth(&key).send().await.unwrap();
+    assert_eq!(deleted.status(), 204);
     assert_eq!(put(&key, "0123456789x").await, (429, "QUOTA_STORED_BYTES".to_owned()));
     assert_eq!(put(&key, "0123456789").await.0, 200);
     let get = server.http.get(server.url(&format!("/v1/{capture}/supplements/masks")));

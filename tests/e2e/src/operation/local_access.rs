@@ -50,6 +50,16 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     let other = push("nothing", &|_| {});
     let stderr = String::from_utf8_lossy(&other.stderr).into_owned();
     assert!(!other.status.success() && stderr.contains("BENDTWIN_TOKEN"), "{stderr}");
+    let usage = |form: &[&str]| {
+        let mut usage = bendtwin();
+        usage.args(["admin", "usage", "--server", &format!("http://127.0.0.1:{port}")]).args(form);
+        usage.env("XDG_STATE_HOME", path("state")).output().unwrap().stdout
+    };
+    let owners: serde_json::Value = serde_json::from_slice(&usage(&["--json"])).unwrap();
+    let size = std::fs::metadata(&archive).unwrap().len();
+    assert_eq!((&owners[0]["owner"], &owners[0]["captures"]), (&"local".into(), &1.into()));
+    assert_eq!(owners[0]["stored_bytes"]["captures"], size, "{owners}");
+    assert!(String::from_utf8_lossy(&usage(&[])).lines().nth(1).unwrap().starts_with("local"));
     let mut doctor = bendtwin();
     doctor.args(["doctor", "--server", &format!("127.0.0.1:{port}"), "--listen", "127.0.0.1:0"]);
     let doctor = doctor.env("XDG_STATE_HOME", path("nothing")).output().unwrap();

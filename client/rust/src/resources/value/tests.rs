@@ -3,7 +3,7 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 
 use super::*;
-use crate::{Capture, Fit, Key, Session, Supplement, Twin, Worker};
+use crate::{Capture, Fit, Key, OwnerUsage, Session, Supplement, Twin, Worker};
 
 #[test]
 fn a_resource_has_every_field_of_its_message() {
@@ -14,6 +14,7 @@ fn a_resource_has_every_field_of_its_message() {
         ("Fit", Fit::NAMES),
         ("Job", Job::NAMES),
         ("Key", Key::NAMES),
+        ("OwnerUsage", OwnerUsage::NAMES),
         ("Session", Session::NAMES),
         ("Supplement", Supplement::NAMES),
         ("Twin", Twin::NAMES),
