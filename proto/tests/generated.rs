@@ -22,7 +22,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use contract::Contract;
 
-const FILES: [&str; 16] = [
+const FILES: [&str; 17] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",

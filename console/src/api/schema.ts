@@ -953,6 +953,46 @@ export interface paths {
         patch: operations["AppendUpload"];
         trace?: never;
     };
+    "/v1/usage": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get usage
+         * @description Usage of the caller's owner, with the quotas of the key that is used.
+         */
+        get: operations["GetUsage"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/usage/owners": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List owner usage
+         * @description Usage of all owners who have anything or have a valid key, by name.
+         */
+        get: operations["ListOwnerUsage"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/workers": {
         parameters: {
             query?: never;
@@ -1647,7 +1687,7 @@ export interface components {
             /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. Each but admin may end in `:own`, for example captures:write:own: it then applies to what the owner of the key has, and to what members of the owner's projects have. */
             scopes: string[];
         };
-        /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound. */
+        /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound but the server's default. */
         KeyQuotas: {
             /**
              * Format: int64
@@ -1663,7 +1703,7 @@ export interface components {
             rollouts: number | null;
             /**
              * Format: int64
-             * @description Size of captures, twin files and resumable uploads under way [bytes].
+             * @description Size of everything stored for the owner: captures with what was added to them and made of them, twins, checkpoints, and uploads in progress [bytes].
              * @default null
              */
             stored_bytes: number | null;
@@ -1691,6 +1731,11 @@ export interface components {
             keys: components["schemas"]["Key"][];
             /** @description Empty on the last page. */
             next_page_token: string;
+        };
+        ListOwnerUsageResponse: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            owners: components["schemas"]["OwnerUsage"][];
         };
         ListProjectsResponse: {
             /** @description Empty on the last page. */
@@ -1771,6 +1816,32 @@ export interface components {
             twin?: string;
             /** @description Surroundings of every rollout of the session that gives none. */
             world?: components["schemas"]["World"];
+        };
+        OwnerUsage: {
+            /** Format: int64 */
+            captures: number;
+            /**
+             * Format: int64
+             * @description Fits, ended ones included.
+             */
+            fits: number;
+            /** @description Empty: what was made where no key was required. */
+            owner: string;
+            /**
+             * Format: int64
+             * @description Fits and ingests that wait for a worker.
+             */
+            queued_jobs: number;
+            /** @description Quotas of the key that is used; in the list the widest among the owner's valid keys. Defaults of the server stand where a key has none. */
+            quotas: components["schemas"]["KeyQuotas"];
+            /**
+             * Format: int64
+             * @description Fits and ingests that run.
+             */
+            running_jobs: number;
+            stored_bytes: components["schemas"]["StoredBytes"];
+            /** Format: int64 */
+            twins: number;
         };
         /** @description Limits that every plan keeps, FLOAT32 [1] or by coordinate [D]; absent: none. They hold at the knots, and between knots with linear interpolation. */
         PlanBounds: {
@@ -2520,6 +2591,36 @@ export interface components {
             plan_s: number;
             /** Format: double */
             total_s: number;
+        };
+        /** @description Sizes [bytes]. Equal content counts for each resource that has it. */
+        StoredBytes: {
+            /**
+             * Format: int64
+             * @description Archives of captures, and files that were added to them.
+             */
+            captures: number;
+            /**
+             * Format: int64
+             * @description Checkpoints of jobs that have not ended.
+             */
+            checkpoints: number;
+            /**
+             * Format: int64
+             * @description Observations, playbacks, masks and reports, which ingests made.
+             */
+            derived: number;
+            /**
+             * Format: int64
+             * @description The sum, which the quota `stored_bytes` bounds.
+             */
+            total: number;
+            /** Format: int64 */
+            twins: number;
+            /**
+             * Format: int64
+             * @description Uploads in progress: the declared sizes, or what has arrived and is set aside for more.
+             */
+            uploads: number;
         };
         /** @description A file that was added to a capture, which ingests read beside the archive. */
         Supplement: {
@@ -5363,6 +5464,68 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetUsage: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["OwnerUsage"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ListOwnerUsage: {
+        parameters: {
+            query?: {
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
+                page_size?: number;
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListOwnerUsageResponse"];
+                };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
             default: {

@@ -2091,6 +2091,142 @@ impl Fields for crate::v1::DeleteProjectResponse {
 }
 written!(crate::v1::DeleteProjectResponse);
 
+impl Fields for crate::v1::OwnerUsage {
+    const NAME: &'static str = "OwnerUsage";
+    const FIELDS: &'static [&'static str] = &["owner", "captures", "fits", "twins", "stored_bytes", "queued_jobs", "running_jobs", "quotas"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.captures = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.fits = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.twins = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.stored_bytes = message(map)?; }
+5 => { self.queued_jobs = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.running_jobs = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.quotas = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("captures", &self.captures)?;
+map.serialize_entry("fits", &self.fits)?;
+map.serialize_entry("twins", &self.twins)?;
+write_message(map, "stored_bytes", Some(self.stored_bytes.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("queued_jobs", &self.queued_jobs)?;
+map.serialize_entry("running_jobs", &self.running_jobs)?;
+write_message(map, "quotas", Some(self.quotas.as_ref().unwrap_or(&Default::default())), tensors)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::OwnerUsage);
+
+impl Fields for crate::v1::StoredBytes {
+    const NAME: &'static str = "StoredBytes";
+    const FIELDS: &'static [&'static str] = &["total", "captures", "derived", "twins", "checkpoints", "uploads"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.total = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.captures = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.derived = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.twins = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.checkpoints = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.uploads = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("total", &self.total)?;
+map.serialize_entry("captures", &self.captures)?;
+map.serialize_entry("derived", &self.derived)?;
+map.serialize_entry("twins", &self.twins)?;
+map.serialize_entry("checkpoints", &self.checkpoints)?;
+map.serialize_entry("uploads", &self.uploads)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::StoredBytes);
+
+impl Fields for crate::v1::GetUsageRequest {
+    const NAME: &'static str = "GetUsageRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetUsageRequest);
+
+impl Fields for crate::v1::ListOwnerUsageRequest {
+    const NAME: &'static str = "ListOwnerUsageRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListOwnerUsageRequest);
+
+impl Fields for crate::v1::ListOwnerUsageResponse {
+    const NAME: &'static str = "ListOwnerUsageResponse";
+    const FIELDS: &'static [&'static str] = &["owners", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.owners = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "owners", &self.owners, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListOwnerUsageResponse);
+
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";
     const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times", "time_limit_s"];

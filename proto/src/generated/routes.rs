@@ -82,6 +82,10 @@ Rpc { path: "/bendtwin.v1.ProjectService/UpdateProject", scope: Scope::Admin, au
     Route { method: "PATCH", path: "/v1/projects/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateProjectRequest>(given, |message, given| { message.project.get_or_insert_default().name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Project>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.ProjectService/DeleteProject", scope: Scope::Admin, audited: true, routes: &[
     Route { method: "DELETE", path: "/v1/projects/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteProjectRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::DeleteProjectResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.UsageService/GetUsage", scope: Scope::Anyone, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/usage", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetUsageRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::OwnerUsage>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.UsageService/ListOwnerUsage", scope: Scope::Admin, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/usage/owners", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListOwnerUsageRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListOwnerUsageResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.RolloutService/RollOut", scope: Scope::RolloutsRun, audited: false, routes: &[
     Route { method: "POST", path: "/v1/twins/{id}/rollouts", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.RolloutService/StreamRollOut", scope: Scope::RolloutsRun, audited: false, routes: &[

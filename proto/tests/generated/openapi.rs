@@ -22,7 +22,7 @@ const PROTOBUF: &str = "application/x-protobuf";
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
 
 /// Tags by service.
-const TAGS: [(&str, &str); 11] = [
+const TAGS: [(&str, &str); 12] = [
     ("CaptureService", "captures"),
     ("FitService", "fits"),
     ("TwinService", "twins"),

@@ -173,7 +173,7 @@ async fn begun_before(
     new: &NewResumableUpload,
     request: RequestId<'_>,
 ) -> Result<Option<ResumableUpload>> {
-    let row: Option<Row> = request.find(tx, "*", "uploads").await?;
+    let row: Option<Row> = request.find(&mut *tx, "*", "uploads").await?;
     let Some(row) = row else { return Ok(None) };
     let before = ResumableUpload::try_from(row)?;
     if let UploadState::Stored(capture) = before.state {
