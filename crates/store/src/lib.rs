@@ -108,6 +108,7 @@ mod keys;
 mod labels;
 mod listing;
 pub mod maintenance;
+mod meter;
 mod sql;
 mod store;
 mod twins;
@@ -140,6 +141,7 @@ pub use listing::{
     ListQuery, Order, OrderKey,
     page::{Page, PageRequest},
 };
+pub use meter::{Call, Observer, Part};
 pub use store::{
     Options, Store,
     clock::{Clock, ManualClock, SystemClock},
