@@ -38,6 +38,8 @@ pub enum Scope {
     FitsRead,
     /// Start, change, cancel and delete fits.
     FitsWrite,
+    /// Read the metrics of a server, and nothing else.
+    MetricsRead,
     /// Rollouts, sessions, plays, plans, registrations and evaluations.
     RolloutsRun,
     /// Read and export twins.
@@ -48,12 +50,13 @@ pub enum Scope {
 
 impl Scope {
     /// All scopes, in the order of their words.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Admin,
         Self::CapturesRead,
         Self::CapturesWrite,
         Self::FitsRead,
         Self::FitsWrite,
+        Self::MetricsRead,
         Self::RolloutsRun,
         Self::TwinsRead,
         Self::TwinsWrite,
@@ -67,6 +70,7 @@ impl Scope {
             Self::CapturesWrite => "captures:write",
             Self::FitsRead => "fits:read",
             Self::FitsWrite => "fits:write",
+            Self::MetricsRead => "metrics:read",
             Self::RolloutsRun => "rollouts:run",
             Self::TwinsRead => "twins:read",
             Self::TwinsWrite => "twins:write",
@@ -92,6 +96,11 @@ impl Scopes {
 
     pub(crate) fn has(self, scope: Scope) -> bool {
         self.0 & scope.bit() != 0
+    }
+
+    /// True if there is this scope alone.
+    fn is(self, scope: Scope) -> bool {
+        self.0 == scope.bit()
     }
 }
 
@@ -171,7 +180,14 @@ impl Caller {
     /// Refuses what the caller may not do. `None` is what the table does not list: nobody may.
     fn require(&self, access: Option<Access>) -> Result<(), Refusal> {
         match access {
-            Some(Access::Open | Access::Worker | Access::Anyone) => Ok(()),
+            // The metrics are a part of every scope.
+            Some(Access::Open | Access::Worker | Access::Scope(Scope::MetricsRead)) => Ok(()),
+            Some(Access::Anyone) if self.scopes.is(Scope::MetricsRead) => Err(denied(format!(
+                "the key has the scope {} alone, which reads /metrics and nothing else: use another \
+                 key",
+                Scope::MetricsRead.as_str()
+            ))),
+            Some(Access::Anyone) => Ok(()),
             Some(Access::Scope(scope)) if self.scopes.has(scope) => Ok(()),
             Some(Access::Scope(scope)) => Err(denied(format!(
                 "the key lacks the scope {}, which this call takes: use a key that has it, or have \

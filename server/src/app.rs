@@ -15,6 +15,7 @@ mod operations;
 mod plans;
 mod plays;
 mod receive;
+mod renewed;
 mod requirements;
 mod rollouts;
 mod sessions;
@@ -57,7 +58,7 @@ pub(crate) use jobs::{LeasedJob, News, Offer};
 pub(crate) use keys::KeyOrder;
 pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
-use operations::Readiness;
+use operations::{Readiness, StoredNumbers};
 pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
 pub(crate) use sweeps::Sweeps;
@@ -82,6 +83,7 @@ pub(crate) struct Inner {
     keys: KeyRing,
     metrics: Metrics,
     readiness: Readiness,
+    stored_numbers: StoredNumbers,
     memory: Memory,
     plays: Plays,
     members: Members,
@@ -123,6 +125,7 @@ impl App {
             keys: KeyRing::new(store.clone()),
             metrics,
             readiness: Readiness::default(),
+            stored_numbers: StoredNumbers::default(),
             memory,
             plays: Plays::new(options.limits.plays(), stopping.clone()),
             stopping,

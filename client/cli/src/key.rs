@@ -34,7 +34,7 @@ struct Create {
     /// Name of the key: who uses it, and for what
     name: String,
     /// Scopes: admin, captures:read, captures:write, fits:read, fits:write,
-    /// rollouts:run, twins:read, twins:write
+    /// metrics:read, rollouts:run, twins:read, twins:write
     #[arg(long = "scope", value_name = "SCOPE,...", value_delimiter = ',', required = true)]
     scopes: Vec<String>,
     /// Owner of what is made with it [default: its name]

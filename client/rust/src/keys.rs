@@ -49,7 +49,7 @@ pub struct NewKey {
     /// Owner; empty means the display name.
     pub owner: String,
     /// Scopes: `admin`, `captures:read`, `captures:write`, `fits:read`,
-    /// `fits:write`, `rollouts:run`, `twins:read`, `twins:write`.
+    /// `fits:write`, `metrics:read`, `rollouts:run`, `twins:read`, `twins:write`.
     pub scopes: Vec<String>,
     /// Time from which it is refused; none: never.
     pub expire_time: Option<Timestamp>,

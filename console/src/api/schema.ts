@@ -25,7 +25,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Metrics for Prometheus */
+        /**
+         * Metrics for Prometheus
+         * @description While the database does not answer, what comes from it stays as it was read last: `bendtwin_store_up` is 0.
+         */
         get: operations["GetMetrics"];
         put?: never;
         post?: never;
@@ -1589,7 +1592,7 @@ export interface components {
              * @description Absent unless the key has been revoked.
              */
             revoke_time: string | null;
-            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. */
+            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, metrics:read, rollouts:run, twins:read, twins:write. */
             scopes: string[];
         };
         /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound. */
@@ -2825,7 +2828,10 @@ export interface operations {
     };
     GetReadiness: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Checks to leave out, with commas between them: running, writes, disk, workers. `workers` is left out where requests are to come before there is a worker */
+                without?: string;
+            };
             header?: never;
             path?: never;
             cookie?: never;

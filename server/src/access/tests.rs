@@ -15,7 +15,7 @@ fn scopes_allow_what_they_name_and_nothing_else() {
         for other in Scope::ALL {
             let refused = reason(caller.require(Some(Access::Scope(other))));
             match refused {
-                None => assert_eq!(scope, other),
+                None => assert!(scope == other || other == Scope::MetricsRead),
                 Some(fault) => {
                     assert_ne!(scope, other);
                     assert_eq!(fault.reason, "SCOPE_MISSING");
@@ -25,6 +25,19 @@ fn scopes_allow_what_they_name_and_nothing_else() {
         }
     }
     assert_eq!(Scope::parse("all"), None);
+}
+
+#[test]
+fn a_key_for_the_metrics_reads_nothing_else() {
+    let caller =
+        |scopes: &[Scope]| Caller { scopes: scopes.iter().copied().collect(), ..Caller::default() };
+    let scraper = caller(&[Scope::MetricsRead]);
+    assert!(scraper.require(Some(Access::Scope(Scope::MetricsRead))).is_ok());
+    let refused = reason(scraper.require(Some(Access::Anyone))).unwrap();
+    assert_eq!(refused.reason, "SCOPE_MISSING");
+    assert!(refused.message.contains("metrics:read"), "{}", refused.message);
+    let more = caller(&[Scope::MetricsRead, Scope::TwinsRead]);
+    assert!(more.require(Some(Access::Anyone)).is_ok());
 }
 
 #[test]
