@@ -5,8 +5,8 @@ pub(crate) mod completions;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, ca, capture, demo, doctor, eval, fit, global::Global, key, logging, rollout, server,
-    store, twin, worker,
+    bench, ca, capture, demo, doctor, eval, fit, global::Global, healthcheck, key, logging,
+    rollout, server, store, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -55,6 +55,9 @@ pub(crate) enum Command {
     Store(store::Store),
     /// Check this machine, the data folder and the server, and report problems
     Doctor(doctor::Doctor),
+    /// Ask the server or the worker of this machine whether it is healthy, for the health checks of
+    /// containers
+    Healthcheck(healthcheck::Healthcheck),
     /// Print the completion script for a shell
     Completions(completions::Completions),
 }
