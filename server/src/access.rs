@@ -114,7 +114,14 @@ impl Caller {
     /// Refuses what the caller may not do. `None` is what the table does not list: nobody may.
     fn require(&self, access: Option<Access>) -> Result<(), Refusal> {
         match access {
-            Some(Access::Open | Access::Worker | Access::Anyone) => Ok(()),
+            // The metrics are a part of every scope.
+            Some(Access::Open | Access::Worker | Access::Scope(Scope::MetricsRead)) => Ok(()),
+            Some(Access::Anyone) if self.scopes.is(Scope::MetricsRead) => Err(denied(format!(
+                "the key has the scope {} alone, which reads /metrics and nothing else: use another \
+                 key",
+                Scope::MetricsRead.as_str()
+            ))),
+            Some(Access::Anyone) => Ok(()),
             Some(Access::Scope(scope)) if self.scopes.has(scope) => Ok(()),
             Some(Access::Scope(scope)) => Err(denied(format!(
                 "the key lacks the scope {}, which this call takes: use a key that has it, or have \

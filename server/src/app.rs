@@ -14,6 +14,7 @@ mod labels;
 mod operations;
 mod projects;
 mod receive;
+mod renewed;
 mod requirements;
 mod rights;
 mod simulation;
@@ -57,7 +58,7 @@ pub(crate) use keys::KeyOrder;
 use keys::usage::KnownUsage;
 pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
-use operations::Readiness;
+use operations::{Readiness, StoredNumbers};
 pub(crate) use projects::ProjectOrder;
 pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
@@ -84,6 +85,7 @@ pub(crate) struct Inner {
     keys: KeyRing,
     metrics: Metrics,
     readiness: Readiness,
+    stored_numbers: StoredNumbers,
     memory: Memory,
     plays: Plays,
     members: Members,
@@ -127,6 +129,7 @@ impl App {
             keys: KeyRing::new(store.clone(), options.quotas.to_store()),
             metrics,
             readiness: Readiness::default(),
+            stored_numbers: StoredNumbers::default(),
             memory,
             plays: Plays::new(options.limits.plays(), stopping.clone()),
             stopping,

@@ -156,7 +156,7 @@ impl Dispatch {
     pub(crate) fn heartbeat(&self, worker: WorkerId, heartbeat: Heartbeat) -> bool {
         let entry = self.lock().get(&worker).cloned();
         let Some(entry) = entry else { return false };
-        entry.heartbeat(self.now(), heartbeat);
+        self.take_in(&entry, heartbeat);
         true
     }
 
@@ -233,6 +233,11 @@ impl Dispatch {
     pub(crate) fn waiting(&self) -> [usize; 3] {
         let lines = self.lock().values().map(|e| e.line.waiting()).collect::<Vec<_>>();
         Size::ALL.map(|size| lines.iter().map(|waiting| waiting[size as usize]).sum())
+    }
+
+    /// Number of sessions at all workers.
+    pub(crate) fn session_count(&self) -> usize {
+        self.lock().values().map(|e| e.session_count()).sum()
     }
 
     /// Memory of all workers' devices together, where it is known.

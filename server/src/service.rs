@@ -1,6 +1,6 @@
 //! The server as a whole: its start and its shutdown.
 
-use std::{net::SocketAddr, path::PathBuf, time::Duration};
+use std::{net::SocketAddr, path::PathBuf, sync::Arc, time::Duration};
 
 use bendtwin_core::Problem;
 use bendtwin_store::Store;
@@ -130,7 +130,8 @@ impl Service {
             None => None,
         };
         let worker_tls_address = worker_tls.as_ref().map(|(_, address)| *address);
-        let store = open_store(&options).await?;
+        let metrics = Metrics::new();
+        let store = open_store(&options, &metrics).await?;
         let client_token = match options.client_token {
             ClientTokenPolicy::Required => Some(load_token(&options)?),
             ClientTokenPolicy::None => None,
@@ -140,7 +141,6 @@ impl Service {
         let memory_mib = options.memory_bytes() >> 20;
         let worker_memory_mib = options.workers.each_memory_mib();
         tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
-        let metrics = Metrics::new();
         let app = App::new(options, store, certificates.clone(), metrics.clone());
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let grpc = grpc::router(&app).await?;
@@ -211,12 +211,16 @@ fn warn_of_openness(options: &Options, address: SocketAddr, worker_address: Sock
     }
 }
 
-async fn open_store(options: &Options) -> Result<Store, StartError> {
+async fn open_store(options: &Options, metrics: &Metrics) -> Result<Store, StartError> {
     let folder = options.data_dir.clone();
     let database = options.database_url.clone();
     let objects = options.objects_url.clone();
-    let of_store =
-        bendtwin_store::Options { database, objects, ..bendtwin_store::Options::new(&folder) };
+    let of_store = bendtwin_store::Options {
+        database,
+        objects,
+        observer: Some(Arc::new(metrics.clone())),
+        ..bendtwin_store::Options::new(&folder)
+    };
     Store::open(of_store).await.map_err(|source| StartError::Store { folder, source })
 }
 

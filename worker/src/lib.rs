@@ -21,6 +21,7 @@ mod error;
 #[cfg(test)]
 mod faulty;
 mod fit;
+mod health;
 mod ingest;
 mod job;
 mod leasing;
@@ -35,6 +36,7 @@ mod server_client;
 mod tls;
 
 pub use error::Error;
+pub use health::{Health, health};
 pub use ingest::{Enforced, Layer, Resources, Sandbox, available, confine, ingest_capture};
 pub use options::{FIT_SHARE, LISTEN, Limits, Options};
 pub use run::run;

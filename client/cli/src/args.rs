@@ -8,7 +8,7 @@ use crate::{
     access::{key, project},
     admin, bench, ca, capture, demo, doctor, eval, fit,
     global::Global,
-    logging, rollout, server, store, twin, worker,
+    healthcheck, logging, rollout, server, store, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -61,6 +61,9 @@ pub(crate) enum Command {
     Store(store::Store),
     /// Check this machine, the data folder and the server, and report problems
     Doctor(doctor::Doctor),
+    /// Ask the server or the worker of this machine whether it is healthy, for the health checks of
+    /// containers
+    Healthcheck(healthcheck::Healthcheck),
     /// Print the completion script for a shell
     Completions(completions::Completions),
 }

@@ -10,6 +10,7 @@ mod demo;
 mod doctor;
 mod eval;
 mod fit;
+mod healthcheck;
 mod labels;
 mod process;
 mod quality;
@@ -108,6 +109,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Bench(args) => bench::run(args, global).await,
         Command::Store(args) => store::run(args, global).await,
         Command::Doctor(args) => doctor::run(args, global).await,
+        Command::Healthcheck(args) => healthcheck::run(args, global).await,
         Command::Completions(args) => args::completions::run(&args),
     }
 }

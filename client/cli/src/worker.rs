@@ -29,27 +29,10 @@ pub(crate) struct Worker {
     /// Token of the server for its workers
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     token: Option<String>,
-    /// Certificate of this worker, for a server on another host (https://, --ca): a PEM file,
-    /// reloaded when it changes
-    #[arg(long, env = "BENDTWIN_WORKER_CERTIFICATE", value_name = "FILE", requires = "key")]
-    certificate: Option<PathBuf>,
-    /// Key of this certificate: a PEM file that other users cannot read
-    #[arg(long, env = "BENDTWIN_WORKER_KEY", value_name = "FILE", requires = "certificate")]
-    key: Option<PathBuf>,
-    /// List of the certificates that the authority has revoked (`bendtwin ca revoke`), to refuse
-    /// servers with such a certificate: a PEM file, reloaded when it changes
-    #[arg(long, env = "BENDTWIN_WORKER_CRL", value_name = "FILE", requires = "certificate")]
-    crl: Option<PathBuf>,
+    #[command(flatten)]
+    listener: Listener,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Address for rollouts; port 0 takes a free one
-    #[arg(
-        long,
-        env = "BENDTWIN_WORKER_LISTEN",
-        value_name = "ADDRESS",
-        default_value_t = bendtwin_worker::LISTEN
-    )]
-    worker_listen: SocketAddr,
     /// URL at which the server reaches this worker, where it differs: http://host:port, https:// with
     /// a certificate
     #[arg(long, env = "BENDTWIN_WORKER_ADVERTISE", value_name = "URL")]
@@ -107,6 +90,47 @@ pub(crate) struct Worker {
     /// Exit when the standard input ends: the server that started this worker is gone
     #[arg(long)]
     exit_with_parent: bool,
+}
+
+/// The port of a worker.
+#[derive(Debug, Args)]
+pub(crate) struct Listener {
+    /// Certificate of this worker, for a server on another host (https://, --ca): a PEM file,
+    /// reloaded when it changes
+    #[arg(long, env = "BENDTWIN_WORKER_CERTIFICATE", value_name = "FILE", requires = "key")]
+    certificate: Option<PathBuf>,
+    /// Key of this certificate: a PEM file that other users cannot read
+    #[arg(long, env = "BENDTWIN_WORKER_KEY", value_name = "FILE", requires = "certificate")]
+    key: Option<PathBuf>,
+    /// List of the certificates that the authority has revoked (`bendtwin ca revoke`), to refuse
+    /// servers with such a certificate: a PEM file, reloaded when it changes
+    #[arg(long, env = "BENDTWIN_WORKER_CRL", value_name = "FILE", requires = "certificate")]
+    crl: Option<PathBuf>,
+    /// Address for rollouts; port 0 takes a free one
+    #[arg(
+        long,
+        env = "BENDTWIN_WORKER_LISTEN",
+        value_name = "ADDRESS",
+        default_value_t = bendtwin_worker::LISTEN
+    )]
+    pub(crate) worker_listen: SocketAddr,
+}
+
+impl Listener {
+    /// The files of its TLS, if it has one.
+    pub(crate) fn tls(&self, global: &Global) -> Result<Option<MutualPaths>, Usage> {
+        let pair = self.certificate.clone().zip(self.key.clone());
+        let pair = pair.map(|(certificate, key)| PairPaths { certificate, key });
+        match (pair, global.ca.clone()) {
+            (Some(pair), Some(ca)) => Ok(Some(MutualPaths { pair, ca, crl: self.crl.clone() })),
+            (Some(_), None) => {
+                let fault =
+                    "--certificate requires --ca, the authority of the server and its workers";
+                Err(Usage(fault.to_owned()))
+            }
+            (None, _) => Ok(None),
+        }
+    }
 }
 
 fn mib(bytes: u64) -> u64 {
@@ -172,24 +196,14 @@ impl Worker {
             Usage(fault.to_owned())
         })?;
         let defaults = Options::new(&global.server, token);
-        let pair = self.certificate.zip(self.key);
-        let pair = pair.map(|(certificate, key)| PairPaths { certificate, key });
-        let tls = match (pair, global.ca.clone()) {
-            (Some(pair), Some(ca)) => Some(MutualPaths { pair, ca, crl: self.crl }),
-            (Some(_), None) => {
-                let fault =
-                    "--certificate requires --ca, the authority of the server and its workers";
-                return Err(Usage(fault.to_owned()));
-            }
-            (None, _) => None,
-        };
+        let tls = self.listener.tls(global)?;
         let memory_bytes = self.memory_mib.map_or(defaults.memory_bytes, bytes);
         let fit_bytes = self.fit_memory_mib.map_or(memory_bytes / 2, bytes);
         Ok(Options {
             tls,
             memory_bytes,
             backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
-            listen: self.worker_listen,
+            listen: self.listener.worker_listen,
             advertise: self.advertise,
             scratch_dir: self.scratch_dir,
             cache_dir: self.cache_dir,

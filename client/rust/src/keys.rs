@@ -49,8 +49,8 @@ pub struct NewKey {
     /// Owner; empty means the display name.
     pub owner: String,
     /// Scopes: `admin`, `captures:read`, `captures:write`, `fits:read`,
-    /// `fits:write`, `rollouts:run`, `twins:read`, `twins:write`; each but
-    /// `admin` may end in `:own`.
+    /// `fits:write`, `metrics:read`, `rollouts:run`, `twins:read`, `twins:write`; those of
+    /// captures, fits, rollouts and twins may end in `:own`.
     pub scopes: Vec<String>,
     /// Time from which it is refused; none: never.
     pub expire_time: Option<Timestamp>,

@@ -25,7 +25,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Metrics for Prometheus */
+        /**
+         * Metrics for Prometheus
+         * @description While the database does not answer, what comes from it stays as it was read last: `bendtwin_store_up` is 0.
+         */
         get: operations["GetMetrics"];
         put?: never;
         post?: never;
@@ -1684,7 +1687,7 @@ export interface components {
              * @description Absent unless the key has been revoked.
              */
             revoke_time: string | null;
-            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read, twins:write. Each but admin may end in `:own`, for example captures:write:own: it then applies to what the owner of the key has, and to what members of the owner's projects have. */
+            /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, metrics:read, rollouts:run, twins:read, twins:write. Those of captures, fits, rollouts and twins may end in `:own`, for example captures:write:own: the scope then applies to what the owner of the key has, and to what members of the owner's projects have. */
             scopes: string[];
         };
         /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound but the server's default. */
@@ -3005,7 +3008,10 @@ export interface operations {
     };
     GetReadiness: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Checks to leave out, with commas between them: running, writes, disk, workers. `workers` is left out where requests are to come before there is a worker */
+                without?: string;
+            };
             header?: never;
             path?: never;
             cookie?: never;

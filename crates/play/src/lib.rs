@@ -125,6 +125,11 @@ impl Plays {
         self.room_in(&self.lock())
     }
 
+    /// Number of plays in progress.
+    pub fn count(&self) -> usize {
+        self.lock().len()
+    }
+
     fn room_in(&self, under_way: &HashMap<PlayId, Arc<Play>>) -> Result<()> {
         if under_way.len() < self.limits.plays {
             return Ok(());

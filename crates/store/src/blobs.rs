@@ -35,6 +35,7 @@ use crate::{
     Result,
     failpoint::{Armed, Failpoint},
     folder::disk::Reserve,
+    meter::{Meter, Part},
 };
 
 pub(crate) use bucket::{Bucket, Multipart, PART};
@@ -79,7 +80,8 @@ impl Blobs {
     ) -> Result<Self> {
         let staging = match &place {
             Place::Folder(folder) => folder.clone(),
-            Place::Bucket(_) => Folder::open(&own(data_dir), false)?,
+            // Its files are on their way: the meter is for the place.
+            Place::Bucket(_) => Folder::open(&own(data_dir), false, Meter::idle(Part::Content))?,
         };
         staging.clear_incoming().await?;
         Ok(Self { place, staging, gate: Arc::default(), armed, reserve })

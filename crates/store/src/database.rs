@@ -26,7 +26,8 @@ use tokio::sync::{Notify, broadcast};
 use crate::{
     Error, JobId, Result,
     folder::{self, disk::Reserve},
-    sql::{Readers, Transaction},
+    meter::Meter,
+    sql::{Readers, Reading, Transaction},
 };
 
 pub(crate) use marker::{
@@ -46,6 +47,7 @@ const START: Duration = Duration::from_secs(10);
 pub(crate) struct Database {
     engine: Engine,
     readers: Readers,
+    meter: Meter,
     /// Name in messages.
     name: String,
     reserve: Arc<Reserve>,
@@ -77,6 +79,7 @@ impl Database {
         url: Option<&DatabaseUrl>,
         lock: File,
         reserve: Arc<Reserve>,
+        meter: Meter,
     ) -> Result<Self> {
         let (engine, readers, name) = match url {
             None => {
@@ -90,7 +93,7 @@ impl Database {
                 (Engine::Postgres(Box::new(server)), readers, url.to_string())
             }
         };
-        Ok(Self { engine, readers, name, reserve, lock })
+        Ok(Self { engine, readers, meter, name, reserve, lock })
     }
 
     /// Name in messages, without a password.
@@ -104,17 +107,20 @@ impl Database {
     }
 
     /// Connection for single statements that only read.
-    pub(crate) fn read(&self) -> &Readers {
-        &self.readers
+    pub(crate) fn read(&self) -> Reading<'_> {
+        Reading { readers: &self.readers, meter: &self.meter }
     }
 
     /// A transaction that excludes all others that write, so that its reads stay valid.
     pub(crate) async fn write(&self) -> Result<Transaction> {
         self.reserve.release_if_low();
-        match &self.engine {
-            Engine::Sqlite(writer) => writer.begin().await,
-            Engine::Postgres(server) => server.begin().await,
-        }
+        let begin = async {
+            match &self.engine {
+                Engine::Sqlite(writer) => writer.begin(&self.meter).await,
+                Engine::Postgres(server) => server.begin(&self.meter).await,
+            }
+        };
+        self.meter.measure("begin", begin).await
     }
 
     /// Wakes waiters when any server that has this database open changes what they wait for, if it is

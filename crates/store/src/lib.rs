@@ -115,6 +115,7 @@ mod keys;
 mod labels;
 mod listing;
 pub mod maintenance;
+mod meter;
 mod owners;
 mod sql;
 mod store;
@@ -149,6 +150,7 @@ pub use listing::{
     ListQuery, Order, OrderKey,
     page::{Page, PageRequest},
 };
+pub use meter::{Call, Observer, Part};
 pub use owners::{
     Owners,
     projects::{MAX_MEMBERS, MemberChange, Memberships, Project, ProjectChange, Projects},

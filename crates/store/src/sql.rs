@@ -16,9 +16,10 @@ use sqlx::{
     sqlite::{SqliteQueryResult, SqliteRow},
 };
 
-use crate::Result;
+use crate::{Error, Result, database::postgres};
 
-pub(crate) use target::{Readers, Target, Transaction};
+use target::Place;
+pub(crate) use target::{Readers, Reading, Target, Transaction, answered};
 pub(crate) use value::Value;
 use value::arguments;
 
@@ -56,23 +57,44 @@ pub(crate) fn query_scalar(sql: impl SqlSafeStr) -> Scalar {
 macro_rules! run {
     ($query:ident, $target:ident, $call:ident, $sqlite:expr, $postgres:expr) => {{
         let Query { sql, values } = $query;
-        match $target {
-            Target::SqliteReaders(readers) => {
-                let query = sqlx::query_with::<Sqlite, _>(sql, arguments::<Sqlite>(values)?);
-                $sqlite(query.$call(readers).await?)
-            }
-            Target::Sqlite(connection) => {
-                let query = sqlx::query_with::<Sqlite, _>(sql, arguments::<Sqlite>(values)?);
-                $sqlite(query.$call(connection).await?)
-            }
-            Target::PostgresReaders(readers) => {
-                let query = sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
-                $postgres(query.$call(readers).await?)
-            }
-            Target::Postgres(connection) => {
-                let query = sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
-                $postgres(query.$call(connection).await?)
-            }
+        let Target { place, meter } = $target;
+        let operation = place.operation();
+        let call = async {
+            Ok(match place {
+                Place::SqliteReaders(readers) => {
+                    let query = sqlx::query_with::<Sqlite, _>(sql, arguments::<Sqlite>(values)?);
+                    $sqlite(query.$call(readers).await?)
+                }
+                Place::Sqlite(connection) => {
+                    let query = sqlx::query_with::<Sqlite, _>(sql, arguments::<Sqlite>(values)?);
+                    $sqlite(query.$call(connection).await?)
+                }
+                Place::PostgresReaders(readers) => {
+                    let query =
+                        sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
+                    let connection = readers.acquire().await;
+                    let mut connection = connection.map_err(|e| postgres::unserved(e, meter))?;
+                    let answer = answered(query.$call(&mut *connection)).await;
+                    if matches!(answer, Err(Error::DatabaseUnavailable)) {
+                        // Returned to its pool it would wait for the answer, and keep a place.
+                        drop(connection.detach());
+                    }
+                    $postgres(answer?)
+                }
+                Place::Postgres(connection) => {
+                    let query =
+                        sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
+                    match meter {
+                        Some(_) => $postgres(answered(query.$call(connection)).await?),
+                        // Of maintenance, whose statements may take their time.
+                        None => $postgres(query.$call(connection).await?),
+                    }
+                }
+            })
+        };
+        match meter {
+            Some(meter) => meter.measure(operation, call).await,
+            None => call.await,
         }
     }};
 }
@@ -124,17 +146,17 @@ impl Query {
     async fn execute_on(self, target: Target<'_>) -> Result<u64> {
         let sqlite = |done: SqliteQueryResult| done.rows_affected();
         let postgres = |done: PgQueryResult| done.rows_affected();
-        Ok(run!(self, target, execute, sqlite, postgres))
+        run!(self, target, execute, sqlite, postgres)
     }
 
     async fn all_rows(self, target: Target<'_>) -> Result<Rows> {
-        Ok(run!(self, target, fetch_all, Rows::Sqlite, Rows::Postgres))
+        run!(self, target, fetch_all, Rows::Sqlite, Rows::Postgres)
     }
 
     async fn first_row(self, target: Target<'_>) -> Result<Option<Row>> {
         let sqlite = |row: Option<SqliteRow>| row.map(Row::Sqlite);
         let postgres = |row: Option<PgRow>| row.map(Row::Postgres);
-        Ok(run!(self, target, fetch_optional, sqlite, postgres))
+        run!(self, target, fetch_optional, sqlite, postgres)
     }
 }
 

@@ -20,6 +20,7 @@ use crate::{
         disk::{Disk, Reserve},
     },
     jobs::LeaseTimes,
+    meter::{Meter, Observer, Part},
     sql::{Transaction, query},
     uploads::Seats,
 };
@@ -35,6 +36,8 @@ pub struct Options {
     pub objects: Option<ObjectsUrl>,
     /// The clocks: of rows, and of leases.
     pub clock: Arc<dyn Clock>,
+    /// Receiver of measurements of the database and of the place of content, if there is one.
+    pub observer: Option<Arc<dyn Observer>>,
 }
 
 impl Options {
@@ -45,6 +48,7 @@ impl Options {
             database: None,
             objects: None,
             clock: Arc::new(SystemClock),
+            observer: None,
         }
     }
 }
@@ -89,7 +93,8 @@ impl Store {
     /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; [`Error::DatabaseNewer`],
     /// [`Error::OlderServersRun`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
-        let Options { data_dir, database: url, objects, clock } = options;
+        let Options { data_dir, database: url, objects, clock, observer } = options;
+        let meter = |part| Meter::new(part, observer.clone());
         folder::make(&data_dir)?;
         let lock = match url {
             None => database::lock(&data_dir)?,
@@ -101,13 +106,15 @@ impl Store {
         if objects.is_some() && files::any(&own)? {
             return Err(Error::ObjectsNotMigrated { folder: own });
         }
-        let place = Place::open(objects.as_ref(), &data_dir, url.is_some())?;
+        let place = Place::open(objects.as_ref(), &data_dir, url.is_some(), meter(Part::Content))?;
         if url.is_none() {
             database::require_none(&data_dir)?;
             identity::require_database(&data_dir, &place).await?;
         }
         let reserve = Arc::new(Reserve::open(&data_dir));
-        let database = Database::open(&data_dir, url.as_ref(), lock, reserve.clone()).await?;
+        let of_database = meter(Part::Database);
+        let database =
+            Database::open(&data_dir, url.as_ref(), lock, reserve.clone(), of_database).await?;
         identity::require_content(&database, &place).await?;
         identity::settle(&database, &data_dir, &place, micros(clock.now())).await?;
         if let Some(url) = &url {

@@ -2,6 +2,7 @@
 
 use std::{
     io,
+    net::SocketAddr,
     pin::Pin,
     sync::Arc,
     task::{Context, Poll},
@@ -26,6 +27,8 @@ use crate::{
 pub struct Connector {
     settings: Option<Settings>,
     timeout: Duration,
+    /// Address of every connection, in place of the host of a URL.
+    address: Option<SocketAddr>,
 }
 
 /// Settings of TLS for each connection.
@@ -40,7 +43,14 @@ impl Connector {
     /// A connector that has `timeout` for the connection and the handshake. Without settings it
     /// fails for `https`.
     pub fn new(timeout: Duration) -> Self {
-        Self { settings: None, timeout }
+        Self { settings: None, timeout, address: None }
+    }
+
+    /// With this address for every connection: the host of a URL is only the name that the other side
+    /// has to show.
+    #[must_use]
+    pub fn at(self, address: SocketAddr) -> Self {
+        Self { address: Some(address), ..self }
     }
 
     /// With settings for `https`.
@@ -63,14 +73,21 @@ impl Connector {
         self.settings.is_some()
     }
 
-    async fn connect(self, uri: Uri) -> io::Result<Stream> {
+    /// A connection to the host of a URL.
+    ///
+    /// # Errors
+    /// If nothing answers there in time, or the other side is not accepted.
+    pub async fn connect(self, uri: Uri) -> io::Result<Stream> {
         let is_https = uri.scheme_str() == Some("https");
         let authority = uri.authority().map(ToString::to_string).unwrap_or_default();
         let host = uri.host().unwrap_or_default();
         let host = host.trim_start_matches('[').trim_end_matches(']');
         let port = uri.port_u16().unwrap_or(if is_https { 443 } else { 80 });
         let connecting = async {
-            let stream = TcpStream::connect((host, port)).await?;
+            let stream = match self.address {
+                Some(address) => TcpStream::connect(address).await?,
+                None => TcpStream::connect((host, port)).await?,
+            };
             stream.set_nodelay(true)?;
             if !is_https {
                 return Ok(Stream::plain(stream));

@@ -19,7 +19,7 @@ mod stream;
 
 pub use accept::{Accepted, is_client_hello};
 pub use certificate::{Certificate, Validity, tell};
-pub use config::{Mutual, MutualPaths, PairPaths, Public, client_config};
+pub use config::{Mutual, MutualPaths, PairPaths, Public, client_config, unverified_client_config};
 pub use connect::Connector;
 pub use error::TlsError;
 pub use files::FileError;

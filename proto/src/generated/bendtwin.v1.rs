@@ -462,7 +462,8 @@ pub mod json_field {
         }
     }
 }
-/// Condition of a call: none, any client token or key, a key with this scope, or the token of a worker.
+/// Condition of a call: none, any client token or key (one with METRICS_READ alone apart), a key with this
+/// scope, or the token of a worker. METRICS_READ is a part of every other scope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum Scope {
@@ -478,6 +479,7 @@ pub enum Scope {
     RolloutsRun = 9,
     TwinsRead = 10,
     TwinsWrite = 11,
+    MetricsRead = 12,
 }
 impl Scope {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -498,6 +500,7 @@ impl Scope {
             Self::RolloutsRun => "ROLLOUTS_RUN",
             Self::TwinsRead => "TWINS_READ",
             Self::TwinsWrite => "TWINS_WRITE",
+            Self::MetricsRead => "METRICS_READ",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -515,6 +518,7 @@ impl Scope {
             "ROLLOUTS_RUN" => Some(Self::RolloutsRun),
             "TWINS_READ" => Some(Self::TwinsRead),
             "TWINS_WRITE" => Some(Self::TwinsWrite),
+            "METRICS_READ" => Some(Self::MetricsRead),
             _ => None,
         }
     }
@@ -4855,9 +4859,10 @@ pub struct Key {
     /// Recorded as `owner` of captures, fits and twins created with the key.
     #[prost(string, tag = "3")]
     pub owner: ::prost::alloc::string::String,
-    /// Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, rollouts:run, twins:read,
-    /// twins:write. Each but admin may end in `:own`, for example captures:write:own: it then applies to what the
-    /// owner of the key has, and to what members of the owner's projects have.
+    /// Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, metrics:read,
+    /// rollouts:run, twins:read, twins:write. Those of captures, fits, rollouts and twins may end in `:own`, for
+    /// example captures:write:own: the scope then applies to what the owner of the key has, and to what members of
+    /// the owner's projects have.
     #[prost(string, repeated, tag = "4")]
     pub scopes: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     #[prost(message, optional, tag = "5")]

@@ -1,6 +1,6 @@
 &[
     ("GET /healthz", Scope::Open),
-    ("GET /metrics", Scope::Anyone),
+    ("GET /metrics", Scope::MetricsRead),
     ("GET /readyz", Scope::Open),
     ("GET /v1/captures/{id}/content", Scope::CapturesRead),
     ("GET /v1/captures/{id}/playback", Scope::CapturesRead),

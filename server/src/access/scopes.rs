@@ -14,6 +14,8 @@ pub enum Scope {
     FitsRead,
     /// Start, change, cancel and delete fits.
     FitsWrite,
+    /// Read the metrics of a server, and nothing else.
+    MetricsRead,
     /// Rollouts, sessions, plays, plans, registrations and evaluations.
     RolloutsRun,
     /// Read and export twins.
@@ -24,12 +26,13 @@ pub enum Scope {
 
 impl Scope {
     /// All scopes, in the order of their words.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Admin,
         Self::CapturesRead,
         Self::CapturesWrite,
         Self::FitsRead,
         Self::FitsWrite,
+        Self::MetricsRead,
         Self::RolloutsRun,
         Self::TwinsRead,
         Self::TwinsWrite,
@@ -43,6 +46,7 @@ impl Scope {
             Self::CapturesWrite => "captures:write",
             Self::FitsRead => "fits:read",
             Self::FitsWrite => "fits:write",
+            Self::MetricsRead => "metrics:read",
             Self::RolloutsRun => "rollouts:run",
             Self::TwinsRead => "twins:read",
             Self::TwinsWrite => "twins:write",
@@ -52,6 +56,12 @@ impl Scope {
     /// The scope of a word.
     pub fn parse(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scope| scope.as_str() == word)
+    }
+
+    /// True if a key may have it for its owner's resources alone: keys, workers and metrics have no
+    /// owner.
+    pub(crate) fn has_bound(self) -> bool {
+        !matches!(self, Self::Admin | Self::MetricsRead)
     }
 
     fn bit(self) -> u16 {
@@ -71,13 +81,12 @@ pub(crate) struct Grant {
 }
 
 impl Grant {
-    /// The scope of a word, with or without a bound. Keys and workers have no owner who could have
-    /// them alone, so `admin` has no bound.
+    /// The scope of a word, with or without a bound.
     pub(crate) fn parse(word: &str) -> Option<Self> {
         match word.strip_suffix(OWN) {
             None => Scope::parse(word).map(|scope| Self { scope, is_own: false }),
             Some(word) => Scope::parse(word)
-                .filter(|scope| *scope != Scope::Admin)
+                .filter(|scope| scope.has_bound())
                 .map(|scope| Self { scope, is_own: true }),
         }
     }
@@ -96,6 +105,11 @@ impl Scopes {
     /// True if it has the scope, with a bound or without.
     pub(crate) fn has(self, scope: Scope) -> bool {
         (self.all | self.own) & scope.bit() != 0
+    }
+
+    /// True if it has this scope alone.
+    pub(crate) fn is(self, scope: Scope) -> bool {
+        self.all | self.own == scope.bit()
     }
 
     /// True if it has the scope without a bound.

@@ -17,7 +17,7 @@ use super::Scope;
 pub enum Access {
     /// Nothing: it tells nothing of what is stored.
     Open,
-    /// The client token, or a key with any scope.
+    /// The client token, or a key with any scope but `metrics:read` alone.
     Anyone,
     /// The token of a worker, which the service checks itself.
     Worker,
@@ -65,6 +65,7 @@ fn access(scope: wire::Scope) -> Option<Access> {
         wire::Scope::CapturesWrite => Access::Scope(Scope::CapturesWrite),
         wire::Scope::FitsRead => Access::Scope(Scope::FitsRead),
         wire::Scope::FitsWrite => Access::Scope(Scope::FitsWrite),
+        wire::Scope::MetricsRead => Access::Scope(Scope::MetricsRead),
         wire::Scope::RolloutsRun => Access::Scope(Scope::RolloutsRun),
         wire::Scope::TwinsRead => Access::Scope(Scope::TwinsRead),
         wire::Scope::TwinsWrite => Access::Scope(Scope::TwinsWrite),

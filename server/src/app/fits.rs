@@ -2,6 +2,8 @@
 
 mod since;
 
+use std::time::Duration;
+
 use bendtwin_core::{
     FitSettings, ModelLoss,
     ids::{CaptureId, FitId},
@@ -19,6 +21,9 @@ use super::{
 };
 use crate::{access::Scope, audit, context::Context, dispatch::FitRoom};
 
+/// Longest wait for the report of a capture: a fit is queued while its content is away, and a worker
+/// checks its memory again.
+const REPORT_PATIENCE: Duration = Duration::from_secs(2);
 /// Largest report that is read for the size of its capture [bytes].
 const LARGEST_REPORT: u64 = 8 << 20;
 
@@ -87,7 +92,8 @@ impl App {
     async fn check_memory(&self, capture: CaptureId, settings: &FitSettings) -> Result<()> {
         let rooms = self.dispatch.fit_rooms();
         let Some(largest) = rooms.iter().max_by_key(|room| room.bytes) else { return Ok(()) };
-        let Some(size) = self.capture_size(capture).await else { return Ok(()) };
+        let size = tokio::time::timeout(REPORT_PATIENCE, self.capture_size(capture)).await;
+        let Ok(Some(size)) = size else { return Ok(()) };
         let needed = |room: &FitRoom| {
             let settings = settings.filled(size.conditions(room.lanes));
             let graph = GraphSize::largest(&settings, &size);

@@ -250,6 +250,19 @@ impl App {
     /// Ends the attempts of a worker process that has ended: its jobs are requeued immediately. If
     /// the server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
+        self.end_worker(worker).await.map(drop)
+    }
+
+    /// Ends the attempts of a worker that gave no sign of life for a whole lease.
+    pub(super) async fn worker_fell_silent(&self, worker: WorkerId) -> Result<()> {
+        tracing::warn!(%worker, "worker fell silent");
+        for job in self.end_worker(worker).await? {
+            self.metrics.lease_lost(job.id.kind());
+        }
+        Ok(())
+    }
+
+    async fn end_worker(&self, worker: WorkerId) -> Result<Vec<Job>> {
         let end = if self.stopping.is_cancelled() {
             WorkerEnd::ByServer
         } else {
@@ -267,14 +280,14 @@ impl App {
         };
         // Renewals of leases are signs of life, so the leases of these workers have also run out.
         for worker in self.dispatch.silent(terms.lease) {
-            tracing::warn!(%worker, "worker fell silent");
-            self.worker_gone(worker).await?;
+            self.worker_fell_silent(worker).await?;
         }
         // The lease of a job may run out here a moment before its server has been silent for one:
         // that is judged by its server, or when that is found gone.
         let worker_end =
             |worker| (!elsewhere.contains(&worker)).then(|| self.dispatch.worker_end(worker));
         for job in self.store.jobs().sweep(terms, worker_end).await? {
+            self.metrics.lease_lost(job.id.kind());
             self.note_end(&job);
         }
         Ok(())

@@ -51,7 +51,7 @@ impl App {
             };
             let store = self.store.clone();
             let key = self.change(async move { store.keys().create(new).await }).await?;
-            self.keys.forget();
+            self.keys.learn(&key);
             tracing::info!(key = %key.id, owner = key.owner, "key made");
             Ok((key, made.text))
         }
@@ -73,7 +73,7 @@ impl App {
             let id: KeyId = super::name(name)?;
             let store = self.store.clone();
             let key = self.change(async move { store.keys().revoke(id).await }).await?;
-            self.keys.forget();
+            self.keys.learn(&key);
             tracing::info!(key = %key.id, owner = key.owner, "key revoked");
             Ok(())
         }

@@ -1,24 +1,32 @@
 //! What operators ask for: readiness, which is whether a request that comes now can be served, and
-//! metrics. Changes are made durable as a proof of readiness, which may take long on a bad disk, so
-//! the checks run beside requests, and callers get the newest report within a bounded time.
+//! metrics. Changes are made durable as a proof of readiness, which may take long on a bad disk, and
+//! some metrics come from the database, which may be away: both are made beside requests, and callers
+//! get the newest ones within a bounded time.
 
-use std::{
-    sync::atomic::{AtomicBool, Ordering},
-    time::Duration,
-};
+use std::time::Duration;
 
+use bendtwin_store::{QueueDepth, UploadUse};
 use serde::Serialize;
-use tokio::{sync::watch, time::Instant};
 
-use super::{App, Result};
+use super::{
+    App, Error, Result,
+    renewed::{Made, Renewed},
+};
 use crate::{dispatch::Size, metrics::Gauges};
 
-/// Age up to which a report is reused.
+/// Age up to which a report, or numbers of the database, are reused.
 const FRESH: Duration = Duration::from_secs(1);
 /// Longest wait for a new report.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest wait for numbers of the database.
+const STORE_PATIENCE: Duration = Duration::from_secs(1);
+/// Age of the numbers of the database up to which it counts as answering.
+const ANSWERING: Duration = Duration::from_secs(3);
 /// Age up to which an old report stands in for one that is slow to come.
 const STALE: Duration = Duration::from_secs(10);
+
+/// Names of all checks, in the order of the answer.
+const CHECKS: [&str; 4] = ["running", "writes", "disk", "workers"];
 
 /// A condition of readiness.
 #[derive(Clone, Debug, Serialize)]
@@ -30,25 +38,11 @@ pub(crate) struct Check {
     pub(crate) message: String,
 }
 
-/// A report of what needed the disk.
-#[derive(Clone, Debug)]
-struct Report {
-    made: Instant,
-    checks: Vec<Check>,
-}
+/// The newest report of what needed the disk.
+pub(super) type Readiness = Renewed<Vec<Check>>;
 
-/// The newest report.
-#[derive(Debug)]
-pub(crate) struct Readiness {
-    latest: watch::Sender<Option<Report>>,
-    under_way: AtomicBool,
-}
-
-impl Default for Readiness {
-    fn default() -> Self {
-        Self { latest: watch::Sender::new(None), under_way: AtomicBool::new(false) }
-    }
-}
+/// The newest numbers that were read from the database.
+pub(super) type StoredNumbers = Renewed<(QueueDepth, UploadUse)>;
 
 impl App {
     /// Number of workers, and of rollouts in progress.
@@ -56,60 +50,82 @@ impl App {
         self.dispatch.counts()
     }
 
-    /// All metrics of the server, in the text format of Prometheus.
-    pub(crate) async fn metrics_text(&self) -> Result<String> {
-        // Sets the gauges of readiness and of the disk.
-        self.readiness().await;
-        let depth = self.store.jobs().depth().await?;
-        let uploads = self.store.uploads().in_use().await?;
-        let (workers, rollouts) = self.counts();
+    /// All metrics of the server, in the text format of Prometheus, within two seconds. While the
+    /// database does not answer, what comes from it stays as it was read last.
+    pub(crate) async fn metrics_text(&self) -> String {
+        // Readiness sets its gauges and those of the disk.
+        let (_, stored, usage) =
+            tokio::join!(self.readiness(), self.stored_numbers(), self.recent_usage());
+        let age = stored.as_ref().map(|stored| stored.at.elapsed());
+        let answers = !self.stored_numbers.has_failed() && age.is_some_and(|age| age < ANSWERING);
+        self.metrics.store_up(answers, age);
+        if let Some(Made { value: (depth, uploads), .. }) = stored {
+            self.metrics.stored(&depth, uploads);
+        }
         for (size, waiting) in Size::ALL.into_iter().zip(self.dispatch.waiting()) {
             self.metrics.rollouts_waiting(size.as_str(), waiting);
         }
-        let usage = self.recent_usage().await;
-        let usage = usage.inspect_err(|error| tracing::warn!(%error, "no metrics by owner")).ok();
-        let memory = self.dispatch.memory();
-        let gauges = Gauges { workers, rollouts, memory, uploads, usage };
+        let (workers, rollouts) = self.counts();
+        let gauges = Gauges {
+            workers,
+            answering: self.dispatch.answering(),
+            rollouts,
+            sessions: self.dispatch.session_count(),
+            plays: self.plays.count(),
+            memory: self.dispatch.memory(),
+            usage,
+        };
         let (used, total) = self.memory.state();
         self.metrics.memory_budget(used, total);
         self.certificates.measure(&self.metrics);
-        Ok(self.metrics.render(&depth, &gauges))
+        self.metrics.render(&gauges)
+    }
+
+    async fn stored_numbers(&self) -> Option<Made<(QueueDepth, UploadUse)>> {
+        let make = || {
+            let store = self.store.clone();
+            async move {
+                let read =
+                    async { Ok((store.jobs().depth().await?, store.uploads().in_use().await?)) };
+                let read: bendtwin_store::Result<_> = read.await;
+                read.inspect_err(|error| tracing::warn!(%error, "metrics without the database"))
+                    .ok()
+            }
+        };
+        self.stored_numbers.get(FRESH, STORE_PATIENCE, make).await
+    }
+
+    /// All checks but those with these names, within two seconds.
+    ///
+    /// # Errors
+    /// If there is no check of such a name.
+    pub(crate) async fn readiness_without(&self, without: &[&str]) -> Result<Vec<Check>> {
+        if let Some(unknown) = without.iter().find(|name| !CHECKS.contains(name)) {
+            let unknown: String = unknown.chars().take(40).collect();
+            let known = CHECKS.join(", ");
+            let fault = format!("has `{unknown}`, which is not one of the checks {known}");
+            return Err(Error::invalid("without", fault));
+        }
+        let mut checks = self.readiness().await;
+        checks.retain(|check| !without.contains(&check.name));
+        Ok(checks)
     }
 
     /// All checks, within two seconds.
     pub(crate) async fn readiness(&self) -> Vec<Check> {
-        let younger = |age: Duration| {
-            move |report: &Option<Report>| report.as_ref().is_some_and(|r| r.made.elapsed() < age)
+        let make = || {
+            let app = self.clone();
+            async move { Some(vec![app.check_writes().await, app.check_disk()]) }
         };
-        let mut reports = self.readiness.latest.subscribe();
-        if !younger(FRESH)(&reports.borrow()) {
-            self.renew_readiness();
-            let renewed = tokio::time::timeout(PATIENCE, reports.wait_for(younger(FRESH))).await;
-            if renewed.is_err() {
-                tracing::warn!("the store is slow to prove that it can write");
-            }
-        }
-        let report = reports.borrow().clone().filter(|r| younger(STALE)(&Some(r.clone())));
+        let report = self.readiness.get(FRESH, PATIENCE, make).await;
+        let report = report.filter(|report| report.at.elapsed() < STALE);
         let mut checks = vec![self.check_running()];
-        checks.extend(report.map_or_else(|| vec![unanswered()], |report| report.checks));
+        checks.extend(report.map_or_else(|| vec![unanswered()], |report| report.value));
         checks.push(self.check_workers());
         for check in &checks {
             self.metrics.ready(check.name, check.ok);
         }
         checks
-    }
-
-    /// Makes a report in a separate task, unless one is being made.
-    fn renew_readiness(&self) {
-        if self.readiness.under_way.swap(true, Ordering::SeqCst) {
-            return;
-        }
-        let app = self.clone();
-        tokio::spawn(async move {
-            let _done = Done(&app.readiness.under_way);
-            let checks = vec![app.check_writes().await, app.check_disk()];
-            app.readiness.latest.send_replace(Some(Report { made: Instant::now(), checks }));
-        });
     }
 
     fn check_running(&self) -> Check {
@@ -158,15 +174,6 @@ impl App {
             (0, 0, _) => "no worker has registered yet: if none does, see the log".to_owned(),
         };
         Check { name: "workers", ok: answering > 0, message }
-    }
-}
-
-/// Marks a report as made, also if making it panics.
-struct Done<'a>(&'a AtomicBool);
-
-impl Drop for Done<'_> {
-    fn drop(&mut self) {
-        self.0.store(false, Ordering::SeqCst);
     }
 }
 

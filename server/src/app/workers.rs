@@ -92,7 +92,7 @@ impl App {
     /// A worker ends in good order.
     pub(crate) async fn worker_left(&self, worker: WorkerId) -> Result<()> {
         tracing::info!(%worker, "worker ended");
-        self.forfeit(worker, WorkerEnd::ByServer).await
+        self.forfeit(worker, WorkerEnd::ByServer).await.map(drop)
     }
 
     /// Asks a worker to take no more work and to end.

@@ -11,7 +11,7 @@ use bendtwin_proto::worker::v1::{WatchRequest, WatchResponse};
 use prost::Message as _;
 use tonic::{Request, Status, Streaming};
 
-use super::{Dispatch, registry::Entry};
+use super::{Dispatch, Heartbeat, registry::Entry};
 
 /// Least and most time before another attempt to watch a worker.
 const AGAIN: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(5)];
@@ -58,7 +58,7 @@ impl Dispatch {
             let (Ok(Ok(Some(message))), Some(entry)) = (message, entry.upgrade()) else {
                 return Ok(());
             };
-            self.take_in(&entry, message)?;
+            self.take_in(&entry, heartbeat(message)?);
         }
     }
 
@@ -82,13 +82,18 @@ impl Dispatch {
         let first = tokio::time::timeout(FIRST_WORD, messages.message()).await;
         let first = first.map_err(|_| Status::deadline_exceeded("no word in time"))??;
         let first = first.ok_or_else(|| Status::unavailable("the worker said nothing"))?;
-        self.take_in(entry, first)?;
+        self.take_in(entry, heartbeat(first)?);
         Ok(messages)
     }
 
-    fn take_in(&self, entry: &Entry, message: WatchResponse) -> Result<(), Status> {
-        let sent = message.heartbeat.unwrap_or_default();
-        entry.heartbeat(self.now(), sent.try_into()?);
-        Ok(())
+    /// Takes in what a worker says of itself. The facts of twins that it has loaded are read now: their
+    /// rollouts are to be answered while the database is away.
+    pub(super) fn take_in(&self, entry: &Entry, heartbeat: Heartbeat) {
+        self.twins.prepare(&self.store, &heartbeat.warm);
+        entry.heartbeat(self.now(), heartbeat);
     }
+}
+
+fn heartbeat(message: WatchResponse) -> Result<Heartbeat, Status> {
+    Ok(message.heartbeat.unwrap_or_default().try_into()?)
 }

@@ -335,6 +335,11 @@ impl Entry {
         }
     }
 
+    /// Number of sessions that live there.
+    pub(super) fn session_count(&self) -> usize {
+        self.live().sessions.len()
+    }
+
     /// A session that lives there.
     pub(super) fn session(&self, session: SessionId) -> Option<HeldSession> {
         self.live().sessions.get(&session).cloned()

@@ -1,13 +1,20 @@
 //! Facts of twins that rollouts need, at hand. Twins never change, so the hot path asks the
-//! database once for each.
+//! database once for each, or not at all: the facts of twins that workers have loaded are read
+//! beforehand, so that these rollouts are answered while the database is away.
 
 use std::{
     collections::HashMap,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 use bendtwin_contract::rollout::{PlannerShape, TwinShape};
-use bendtwin_core::ids::{CaptureId, TwinId};
+use bendtwin_core::{
+    Category, Problem as _,
+    ids::{CaptureId, TwinId},
+};
 use bendtwin_store::{Store, Twin};
 
 use crate::app::Result;
@@ -28,7 +35,11 @@ pub(super) struct TwinSummary {
 
 /// The twins that were asked for lately. Clones share them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Twins(Arc<Mutex<HashMap<TwinId, TwinSummary>>>);
+pub(super) struct Twins {
+    known: Arc<Mutex<HashMap<TwinId, TwinSummary>>>,
+    /// True while facts are read beforehand.
+    is_preparing: Arc<AtomicBool>,
+}
 
 impl Twins {
     /// The facts of a twin, from the database if need be.
@@ -38,11 +49,39 @@ impl Twins {
         }
         let known = TwinSummary::from(&store.twins().get(id).await?);
         let mut twins = self.lock();
-        if twins.len() >= REMEMBERED {
-            twins.clear();
+        if twins.len() >= REMEMBERED
+            && let Some(any) = twins.keys().next().copied()
+        {
+            twins.remove(&any);
         }
         twins.insert(id, known.clone());
         Ok(known)
+    }
+
+    /// Reads the facts of these twins in a separate task, as far as they are not known, and unless
+    /// others are being read.
+    pub(super) fn prepare(&self, store: &Store, twins: &[TwinId]) {
+        let mut unknown: Vec<TwinId> = {
+            let known = self.lock();
+            twins.iter().filter(|id| !known.contains_key(id)).copied().collect()
+        };
+        unknown.truncate(REMEMBERED);
+        if unknown.is_empty() || self.is_preparing.swap(true, Ordering::SeqCst) {
+            return;
+        }
+        let (twins, store) = (self.clone(), store.clone());
+        tokio::spawn(async move {
+            for id in unknown {
+                // A rollout that needs it reports what is wrong.
+                if let Err(error) = twins.get(&store, id).await {
+                    tracing::debug!(twin = %id, %error, "a loaded twin cannot be read");
+                    if error.category() == Category::Unavailable {
+                        break;
+                    }
+                }
+            }
+            twins.is_preparing.store(false, Ordering::SeqCst);
+        });
     }
 
     pub(super) fn forget(&self, id: TwinId) {
@@ -50,7 +89,7 @@ impl Twins {
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<TwinId, TwinSummary>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

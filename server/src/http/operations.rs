@@ -6,9 +6,9 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::Result;
+use super::{Result, extract::Params};
 use crate::app::{App, Check};
 
 /// State of the server as `/readyz` reports it.
@@ -27,23 +27,36 @@ pub(super) struct Readiness {
     build: &'static str,
 }
 
+/// The query of `/readyz`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReadinessQuery {
+    /// Names of checks to leave out, with commas between them.
+    #[serde(default)]
+    without: String,
+}
+
 /// Liveness
 pub(super) async fn healthz() -> &'static str {
     "ok\n"
 }
 
 /// Readiness
-pub(super) async fn readyz(State(app): State<App>) -> Response {
-    let checks = app.readiness().await;
+pub(super) async fn readyz(
+    State(app): State<App>,
+    Params(ReadinessQuery { without }): Params<ReadinessQuery>,
+) -> Result<Response> {
+    let without: Vec<&str> = without.split(',').filter(|name| !name.is_empty()).collect();
+    let checks = app.readiness_without(&without).await?;
     let ready = checks.iter().all(|check| check.ok);
     let (workers, rollouts) = app.counts();
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let build = bendtwin_core::BUILD;
-    (status, Json(Readiness { ready, checks, workers, rollouts, build })).into_response()
+    Ok((status, Json(Readiness { ready, checks, workers, rollouts, build })).into_response())
 }
 
 /// Metrics for Prometheus
-pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
-    let text = app.metrics_text().await?;
-    Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
+pub(super) async fn metrics(State(app): State<App>) -> Response {
+    let text = app.metrics_text().await;
+    ([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response()
 }

@@ -1,7 +1,10 @@
 //! Gauges and counters that the rooms of the server set themselves, when their values change or
 //! right before a rendering: connections, queues, memory, disk, readiness, and worker processes.
 
+use std::time::Duration;
+
 use ::metrics::{Key, Label, Recorder as _};
+use bendtwin_store::{Kind, QueueDepth, UploadUse};
 use jiff::Timestamp;
 
 use super::{METADATA, Metrics};
@@ -54,6 +57,37 @@ impl Metrics {
         self.gauge("bendtwin_ready", vec![label], f64::from(u8::from(ok)));
     }
 
+    /// Program of the server.
+    pub(crate) fn build(&self, version: &'static str, revision: &'static str) {
+        let labels = vec![Label::new("version", version), Label::new("revision", revision)];
+        self.gauge("bendtwin_build_info", labels, 1.0);
+    }
+
+    /// Numbers that were read from the database.
+    pub(crate) fn stored(&self, depth: &QueueDepth, uploads: UploadUse) {
+        use bendtwin_store::State::{Cancelled, Failed, Queued, Running, Succeeded};
+        for (kind, jobs, oldest) in [
+            (Kind::Ingest, "bendtwin_ingests", "bendtwin_oldest_queued_ingest_seconds"),
+            (Kind::Fit, "bendtwin_fits", "bendtwin_oldest_queued_fit_seconds"),
+        ] {
+            for state in [Queued, Running, Succeeded, Failed, Cancelled] {
+                let label = Label::new("state", state.as_str());
+                self.gauge(jobs, vec![label], depth.count(kind, state) as f64);
+            }
+            self.gauge(oldest, Vec::new(), depth.oldest(kind).as_secs_f64());
+        }
+        self.gauge("bendtwin_uploads", Vec::new(), uploads.count as f64);
+        self.gauge("bendtwin_uploads_bytes", Vec::new(), uploads.bytes as f64);
+    }
+
+    /// Whether the database answers, and the age of what was read from it.
+    pub(crate) fn store_up(&self, is_up: bool, age: Option<Duration>) {
+        self.gauge("bendtwin_store_up", Vec::new(), f64::from(u8::from(is_up)));
+        if let Some(age) = age {
+            self.gauge("bendtwin_store_age_seconds", Vec::new(), age.as_secs_f64());
+        }
+    }
+
     /// Counts a write to the store that failed because of the disk or the database; `reason` is
     /// the stable word of the error.
     pub(crate) fn write_failed(&self, reason: &'static str) {
@@ -67,6 +101,7 @@ impl Metrics {
     }
 
     pub(super) fn gauge(&self, name: &'static str, labels: Vec<Label>, value: f64) {
+        debug_assert!(super::is_listed(name), "{name} is not in the catalog");
         self.recorder.register_gauge(&Key::from_parts(name, labels), &METADATA).set(value);
     }
 }

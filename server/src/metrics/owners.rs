@@ -6,6 +6,8 @@ use std::{cmp::Reverse, collections::BTreeMap, fmt::Write as _};
 
 use bendtwin_store::OwnerUsage;
 
+use super::catalog;
+
 /// Owners that each metric has separate series of.
 const SERIES: usize = 50;
 /// Label of all others together, and of an owner who is called so.
@@ -18,7 +20,7 @@ pub(super) fn render(usage: &[OwnerUsage]) -> String {
     let mut text = String::new();
     let stored = |owner: &OwnerUsage| owner.stored.total();
     let name = "bendtwin_owner_stored_bytes";
-    text.push_str("# TYPE bendtwin_owner_stored_bytes gauge\n");
+    head(&mut text, name);
     for (owner, bytes) in largest(usage, stored, |owner| [stored(owner)]) {
         let [bytes] = bytes;
         // A string takes everything.
@@ -26,13 +28,19 @@ pub(super) fn render(usage: &[OwnerUsage]) -> String {
     }
     let jobs = |owner: &OwnerUsage| [owner.queued_jobs, owner.running_jobs];
     let name = "bendtwin_owner_jobs";
-    text.push_str("# TYPE bendtwin_owner_jobs gauge\n");
+    head(&mut text, name);
     for (owner, counts) in largest(usage, |owner| jobs(owner).iter().sum(), jobs) {
         for (state, count) in ["queued", "running"].into_iter().zip(counts) {
             let _ = writeln!(text, "{name}{{owner=\"{owner}\",state=\"{state}\"}} {count}");
         }
     }
     text
+}
+
+/// The lines before the values of a metric.
+fn head(text: &mut String, name: &str) {
+    // A string takes everything.
+    let _ = writeln!(text, "# HELP {name} {}\n# TYPE {name} gauge", catalog::help(name));
 }
 
 /// Values of the owners with the largest keys, by label, and of all others together.

@@ -198,3 +198,25 @@ async fn a_fit_that_no_worker_has_the_memory_for_is_refused_with_what_would_fit(
         assert_eq!(status, 202, "{fit}");
     }
 }
+
+/// Content may be away while rows are there: a worker checks the memory of the fit again.
+#[tokio::test]
+async fn a_fit_is_queued_soon_while_the_report_of_its_capture_cannot_be_read() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let capture = server.capture().await;
+    assert!(worker.lease(Duration::ZERO).await.is_none(), "it is read, and nothing else waits");
+    worker.heartbeat().await.unwrap();
+    let report = server.http.get(server.url(&format!("/v1/{capture}/report"))).send().await;
+    let report = report.unwrap().bytes().await.unwrap();
+    // Opening a pipe takes until somebody writes to it.
+    let blob = server.blob(&blake3::hash(&report).to_hex()).unwrap();
+    std::fs::remove_file(&blob).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&blob).status().unwrap().success());
+    let queued = server.post("/v1/fits", json!({"capture": capture}));
+    let queued = tokio::time::timeout(Duration::from_secs(6), queued).await;
+    // Lets the thread end that waits for it.
+    drop(std::fs::OpenOptions::new().read(true).write(true).open(&blob).unwrap());
+    let (status, fit) = queued.expect("the fit is queued");
+    assert_eq!(status, 202, "{fit}");
+}

@@ -109,6 +109,11 @@ impl Server {
 
     /// Removes the file of a blob behind the server's back. False if there is no such file.
     pub(crate) fn lose_blob(&self, digest: &str) -> bool {
+        self.blob(digest).is_some_and(|path| std::fs::remove_file(path).is_ok())
+    }
+
+    /// The file of a blob.
+    pub(crate) fn blob(&self, digest: &str) -> Option<std::path::PathBuf> {
         fn find(folder: &std::path::Path, digest: &str) -> Option<std::path::PathBuf> {
             let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
             let has_name = |path: &std::path::Path| path.file_name().unwrap() == digest;
@@ -117,8 +122,7 @@ impl Server {
                 false => has_name(&path).then_some(path),
             })
         }
-        let found = find(&self.dir.path().join("data/blobs"), digest);
-        found.is_some_and(|path| std::fs::remove_file(path).is_ok())
+        find(&self.dir.path().join("data/blobs"), digest)
     }
 
     /// Bytes of the files below the folder of blobs, its identity apart.

@@ -11,6 +11,7 @@ mod labels;
 mod leases;
 mod malformed;
 mod operations;
+mod outages;
 mod readiness;
 mod results;
 mod samples;

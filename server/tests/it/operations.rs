@@ -74,6 +74,10 @@ async fn health_readiness_metrics_and_reflection() {
         "bendtwin_workers 0",
         "bendtwin_request_seconds_bucket",
         "bendtwin_oldest_queued_fit_seconds",
+        "bendtwin_store_up 1",
+        r#"bendtwin_store_seconds_count{store="database",operation="commit"}"#,
+        r#"bendtwin_store_seconds_count{store="content",operation="write"}"#,
+        "process_resident_memory_bytes",
     ] {
         assert!(text.contains(line), "{line} is not in\n{text}");
     }

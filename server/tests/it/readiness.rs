@@ -28,6 +28,14 @@ async fn a_server_without_a_worker_that_answers_is_not_ready() {
     for fine in ["running", "writes", "disk"] {
         assert_eq!(checks[fine]["ok"], true, "{checks}");
     }
+    let (status, rest) = server.get("/readyz?without=workers").await;
+    assert_eq!((status, rest["ready"].as_bool()), (200, Some(true)), "{rest}");
+    assert!(rest["checks"].as_array().unwrap().iter().all(|check| check["name"] != "workers"));
+    assert_eq!(server.get("/readyz?without=workers,disk").await.0, 200);
+    for query in ["without=worker", "wihtout=workers"] {
+        let (status, problem) = server.get(&format!("/readyz?{query}")).await;
+        assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_FIELD")), "{problem}");
+    }
     let mut worker = Worker::register(&server).await;
     assert_eq!(ready(&server).await.0, 200);
     let silent = async {

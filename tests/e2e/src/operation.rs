@@ -3,6 +3,7 @@
 
 mod doctor;
 mod fleet;
+mod healthcheck;
 mod local_access;
 mod on_postgres;
 mod on_s3;

@@ -38,6 +38,16 @@ impl Postgres {
         self.run("kill", None).await;
     }
 
+    /// Lets it hang: it accepts connections, and answers nothing.
+    pub async fn stall(&self) {
+        self.run("stall", None).await;
+    }
+
+    /// Lets it answer again after [`Postgres::stall`].
+    pub async fn resume(&self) {
+        self.run("resume", None).await;
+    }
+
     /// The answer to statements, line by line, of the superuser.
     pub async fn query(&self, statements: &str) -> String {
         self.run("query", Some(statements.to_owned())).await

@@ -69,6 +69,8 @@ pub(super) struct Inner {
     pub(super) memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
+    /// Cancelled once a server has set them: the worker is registered.
+    registered: CancellationToken,
     pub(super) status: WorkerStatus,
     /// Rollouts answered concurrently.
     most: usize,
@@ -96,6 +98,7 @@ impl Rollouts {
             sessions,
             memory,
             limits,
+            registered: CancellationToken::new(),
             status: WorkerStatus::default(),
             most,
             slots,
@@ -105,6 +108,7 @@ impl Rollouts {
     /// Sets the bounds on requests to those of the server.
     pub(crate) fn set_limits(&self, limits: Limits) {
         *self.0.limits.write().unwrap_or_else(PoisonError::into_inner) = limits;
+        self.0.registered.cancel();
     }
 
     /// A place among the calls under way.
@@ -158,9 +162,14 @@ where
         }
     };
     rollouts.0.status.end_with(shutdown.clone());
+    let registered = rollouts.0.registered.clone();
     let service = Bounded(rollouts);
     let (health, health_service) = tonic_health::server::health_reporter();
-    health.set_serving::<WorkerRolloutsServer<Rollouts>>().await;
+    health.set_not_serving::<WorkerRolloutsServer<Rollouts>>().await;
+    tokio::spawn(async move {
+        registered.cancelled().await;
+        health.set_serving::<WorkerRolloutsServer<Rollouts>>().await;
+    });
     Server::builder()
         .http2_keepalive_interval(Some(Duration::from_secs(10)))
         .add_service(health_service)

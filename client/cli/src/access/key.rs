@@ -34,8 +34,9 @@ struct Create {
     /// Name of the key: who uses it, and for what
     name: String,
     /// Scopes: admin, captures:read, captures:write, fits:read, fits:write,
-    /// rollouts:run, twins:read, twins:write. Each but admin may end in :own,
-    /// for what its owner and the owner's projects have
+    /// metrics:read, rollouts:run, twins:read, twins:write. Those of captures,
+    /// fits, rollouts and twins may end in :own, for what its owner and the
+    /// owner's projects have
     #[arg(long = "scope", value_name = "SCOPE,...", value_delimiter = ',', required = true)]
     scopes: Vec<String>,
     /// Owner of what is made with it [default: its name]

@@ -32,6 +32,8 @@ fn what_the_readme_shows_parses() {
         "bendtwin store check --data-dir d --sizes --json".to_owned(),
         "bendtwin store repair".to_owned(),
         "bendtwin store backup copy --data-dir d".to_owned(),
+        "bendtwin healthcheck --listen 0.0.0.0:7070 --without workers,disk".to_owned(),
+        "bendtwin healthcheck worker --worker-listen 0.0.0.0:7072".to_owned(),
     ] {
         if let Err(error) = parse(&line) {
             panic!("{line}: {error}");

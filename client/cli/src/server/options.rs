@@ -12,7 +12,7 @@ const END_WITH_SERVER: &str = "--exit-with-parent";
 
 impl Server {
     /// The options in force: the file's table, with what flags and the environment say put into it.
-    pub(super) fn options(&self) -> anyhow::Result<Options> {
+    pub(crate) fn options(&self) -> anyhow::Result<Options> {
         let mut table = match &self.config {
             None => Table::new(),
             Some(path) => {

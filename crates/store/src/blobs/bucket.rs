@@ -13,14 +13,14 @@ mod send;
 
 use std::{future::Future, time::Duration};
 
-use futures::{StreamExt as _, TryStreamExt as _, stream::BoxStream};
+use futures::{FutureExt as _, StreamExt as _, TryStreamExt as _, stream::BoxStream};
 use object_store::{
     ObjectMeta, ObjectStore as _, ObjectStoreExt as _, PutPayload, aws::AmazonS3, path::Path,
 };
 use tokio::sync::Semaphore;
 
 use super::PUBLISHED;
-use crate::{Error, Result};
+use crate::{Error, Result, meter::Meter};
 
 pub(crate) use multipart::Multipart;
 
@@ -42,6 +42,7 @@ pub(crate) struct Bucket {
     prefix: Path,
     name: String,
     senders: Semaphore,
+    meter: Meter,
 }
 
 impl Bucket {
@@ -58,51 +59,59 @@ impl Bucket {
         self.prefix.parts().chain(path.parts()).collect()
     }
 
-    /// The answer to a request, within a bounded time.
-    async fn ask<T>(&self, request: impl Future<Output = object_store::Result<T>>) -> Result<T> {
-        self.ask_within(PATIENCE, request).await
+    /// The answer to a request, within a bounded time; `operation` is its word in metrics.
+    async fn ask<T>(
+        &self,
+        operation: &'static str,
+        request: impl Future<Output = object_store::Result<T>>,
+    ) -> Result<T> {
+        self.ask_within(PATIENCE, operation, request).await
     }
 
     async fn ask_within<T>(
         &self,
         patience: Duration,
+        operation: &'static str,
         request: impl Future<Output = object_store::Result<T>>,
     ) -> Result<T> {
-        match tokio::time::timeout(patience, request).await {
-            Err(_) => Err(Error::ObjectsUnavailable),
-            Ok(answer) => answer.map_err(connect::failed),
-        }
+        let answer = async {
+            match tokio::time::timeout(patience, request).await {
+                Err(_) => Err(Error::ObjectsUnavailable),
+                Ok(answer) => answer.map_err(connect::failed),
+            }
+        };
+        self.meter.measure(operation, answer).await
     }
 
     /// Writes a small object.
     pub(crate) async fn put(&self, path: &Path, content: impl Into<PutPayload>) -> Result<()> {
-        self.ask(self.store.put(&self.full(path), content.into())).await.map(drop)
+        self.ask("write", self.store.put(&self.full(path), content.into())).await.map(drop)
     }
 
     /// A small object; none if it is not there.
     pub(crate) async fn get(&self, path: &Path) -> Result<Option<bytes::Bytes>> {
         let path = self.full(path);
         let got = async { self.store.get(&path).await?.bytes().await };
-        found(self.ask(got).await)
+        found(self.ask("read", got).await)
     }
 
     /// Size of an object [bytes]; none if it is not there.
     pub(crate) async fn size(&self, path: &Path) -> Result<Option<u64>> {
-        let meta = found(self.ask(self.store.head(&self.full(path))).await)?;
+        let meta = found(self.ask("read", self.store.head(&self.full(path))).await)?;
         Ok(meta.map(|meta| meta.size))
     }
 
     /// Removes an object, if it exists.
     pub(crate) async fn delete(&self, path: &Path) -> Result<()> {
         let path = self.full(path);
-        found(self.ask_within(SHORT_PATIENCE, self.store.delete(&path)).await).map(drop)
+        found(self.ask_within(SHORT_PATIENCE, "delete", self.store.delete(&path)).await).map(drop)
     }
 
     /// Removes all objects below a path.
     pub(crate) async fn delete_below(&self, path: &Path) -> Result<()> {
         let below: Vec<ObjectMeta> = self.list(path).try_collect().await?;
         for object in below {
-            found(self.ask(self.store.delete(&object.location)).await)?;
+            found(self.ask("delete", self.store.delete(&object.location)).await)?;
         }
         Ok(())
     }
@@ -110,11 +119,12 @@ impl Bucket {
     /// All objects below a path, with their names in the bucket.
     pub(crate) fn list(&self, path: &Path) -> BoxStream<'_, Result<ObjectMeta>> {
         let pages = self.store.list(Some(&self.full(path)));
-        futures::stream::unfold(pages, |mut pages| async move {
-            match tokio::time::timeout(PATIENCE, pages.next()).await {
-                Err(_) => Some((Err(Error::ObjectsUnavailable), futures::stream::empty().boxed())),
-                Ok(next) => next.map(|next| (next.map_err(connect::failed), pages)),
-            }
+        futures::stream::unfold(pages, move |mut pages| async move {
+            let next = self.ask("list", pages.next().map(Option::transpose)).await.transpose()?;
+            // One that ends in silence is not asked again.
+            let is_over = matches!(next, Err(Error::ObjectsUnavailable));
+            let rest = if is_over { futures::stream::empty().boxed() } else { pages };
+            Some((next, rest))
         })
         .boxed()
     }
@@ -141,7 +151,7 @@ impl Bucket {
     pub(crate) async fn probe(&self) -> Result<()> {
         let path = self.full(&Path::from("probe"));
         let put = self.store.put(&path, PutPayload::from_static(b"probe"));
-        self.ask_within(SHORT_PATIENCE, put).await.map(drop)
+        self.ask_within(SHORT_PATIENCE, "write", put).await.map(drop)
     }
 }
 

@@ -17,7 +17,7 @@ use tokio::io::{AsyncReadExt as _, AsyncSeekExt as _, SeekFrom};
 use tokio_util::io::ReaderStream;
 
 use super::{CHUNK, INCOMING, ObjectReader, PUBLISHED, files, published};
-use crate::{Error, Result, folder};
+use crate::{Error, Result, folder, meter::Meter};
 
 /// Age from which a file in a shared `incoming` is of a server that is gone.
 const ABANDONED: Duration = Duration::from_secs(7 * 86_400);
@@ -29,14 +29,15 @@ pub(crate) struct Folder {
     root: Arc<PathBuf>,
     /// True if other servers may have it open.
     is_shared: bool,
+    pub(super) meter: Meter,
 }
 
 impl Folder {
-    pub(super) fn open(root: &FsPath, is_shared: bool) -> Result<Self> {
+    pub(super) fn open(root: &FsPath, is_shared: bool, meter: Meter) -> Result<Self> {
         folder::make(root)?;
         folder::close_to_others(root, folder::FOLDER);
         let objects = LocalFileSystem::new_with_prefix(root)?.with_fsync(true);
-        Ok(Self { objects: Arc::new(objects), root: Arc::new(root.to_owned()), is_shared })
+        Ok(Self { objects: Arc::new(objects), root: Arc::new(root.to_owned()), is_shared, meter })
     }
 
     /// Empties `incoming` of what another process left there.
@@ -75,17 +76,21 @@ impl Folder {
                 .and_then(|()| std::fs::OpenOptions::new().write(true).open(&file)?.sync_all());
             std::fs::remove_file(&file).and(written)
         });
-        Ok(probed.await.map_err(std::io::Error::other)??)
+        self.meter
+            .measure("write", async { Ok(probed.await.map_err(std::io::Error::other)??) })
+            .await
     }
 
     pub(super) async fn rename(&self, from: &Path, to: &Path) -> Result<()> {
-        Ok(self.objects.rename_opts(from, to, RenameOptions::new()).await?)
+        let renamed = self.objects.rename_opts(from, to, RenameOptions::new());
+        self.meter.measure("write", async { Ok(renamed.await?) }).await
     }
 
     pub(super) async fn delete(&self, path: &Path) -> Result<()> {
-        match self.objects.delete(path).await {
-            Err(object_store::Error::NotFound { .. }) | Ok(()) => Ok(()),
-            Err(error) => Err(error.into()),
+        let deleted = self.meter.measure("delete", async { Ok(self.objects.delete(path).await?) });
+        match deleted.await {
+            Err(Error::Objects(object_store::Error::NotFound { .. })) | Ok(()) => Ok(()),
+            Err(error) => Err(error),
         }
     }
 
@@ -102,7 +107,7 @@ impl Folder {
         let listing = self.objects.list(Some(&Path::from(PUBLISHED)));
         let names = listing
             .try_filter_map(|meta| async move { Ok(meta.location.filename().map(str::to_owned)) });
-        Ok(names.try_collect().await?)
+        self.meter.measure("list", async { Ok(names.try_collect().await?) }).await
     }
 
     /// Opens an object, or a range of it; none if it is not there.
@@ -112,8 +117,9 @@ impl Folder {
         range: Option<Range<u64>>,
     ) -> Result<Option<ObjectReader>> {
         let options = GetOptions { range: range.map(GetRange::Bounded), ..GetOptions::default() };
-        match self.objects.get_opts(path, options).await {
-            Err(object_store::Error::NotFound { .. }) => Ok(None),
+        let got = async { Ok(self.objects.get_opts(path, options).await?) };
+        match self.meter.measure("read", got).await {
+            Err(Error::Objects(object_store::Error::NotFound { .. })) => Ok(None),
             got => {
                 let got = got?;
                 Ok(Some(ObjectReader { size_bytes: got.meta.size, chunks: chunks(got).await? }))

@@ -7,7 +7,7 @@ use futures::stream::BoxStream;
 use object_store::path::Path;
 
 use super::{Bucket, Folder, Location, ObjectsUrl, files, published};
-use crate::Result;
+use crate::{Result, meter::Meter};
 
 /// An object that is being read.
 pub(super) struct ObjectReader {
@@ -26,7 +26,7 @@ pub(crate) enum Place {
 
 impl Place {
     /// The place that a URL names; without one the folder `blobs` of the data folder, which other
-    /// servers may have open if `is_shared`.
+    /// servers may have open if `is_shared`; its calls are measured.
     ///
     /// # Errors
     /// [`crate::Error::InvalidObjectsUrl`], [`crate::Error::ObjectsRefused`]; file errors.
@@ -34,12 +34,13 @@ impl Place {
         url: Option<&ObjectsUrl>,
         data_dir: &FsPath,
         is_shared: bool,
+        meter: Meter,
     ) -> Result<Self> {
         match url.map(ObjectsUrl::location).transpose()? {
-            None => Ok(Self::Folder(Folder::open(&own(data_dir), is_shared)?)),
-            Some(Location::Folder(root)) => Ok(Self::Folder(Folder::open(&root, true)?)),
+            None => Ok(Self::Folder(Folder::open(&own(data_dir), is_shared, meter)?)),
+            Some(Location::Folder(root)) => Ok(Self::Folder(Folder::open(&root, true, meter)?)),
             Some(Location::Bucket(name, prefix)) => {
-                Ok(Self::Bucket(Arc::new(Bucket::open(&name, prefix)?)))
+                Ok(Self::Bucket(Arc::new(Bucket::open(&name, prefix, meter)?)))
             }
         }
     }

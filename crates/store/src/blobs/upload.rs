@@ -81,8 +81,12 @@ impl Upload {
         // In a separate task: the caller's future may be dropped half way through, when content is
         // no longer the upload's and not yet staged. Then the task drops what it staged.
         let whole = tokio::spawn(async move {
-            sink.put_part(part.freeze().into()).await?;
-            sink.complete().await?;
+            let written = async {
+                sink.put_part(part.freeze().into()).await?;
+                sink.complete().await?;
+                Ok(())
+            };
+            blobs.staging.meter.measure("write", written).await?;
             Ok(Staged::new(blobs, path, digest, size_bytes).within(reservation))
         });
         whole.await.map_err(object_store::Error::from)?

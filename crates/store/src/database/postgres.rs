@@ -23,14 +23,15 @@ use super::{DatabaseUrl, Wakes};
 use crate::{
     Error, JobId, Result,
     database::migrations,
-    sql::{Readers, Transaction},
+    meter::Meter,
+    sql::{Readers, Transaction, answered},
 };
 
 const READERS: u32 = 8;
 /// Connections for writing: one at a time holds the lock; the others have begun their transactions
 /// by their turn.
 const WRITERS: u32 = 4;
-const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(5);
+const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(4);
 /// Time limits of the server on a statement, on the wait for the lock, and on a transaction whose
 /// client is silent, which would keep all others waiting.
 const TIMEOUTS: [(&str, &str); 3] = [
@@ -105,6 +106,16 @@ pub(super) async fn open(url: &DatabaseUrl) -> Result<(Server, Readers)> {
     Ok((server, Readers::Postgres(readers)))
 }
 
+/// The error of a request for which there was no connection: of a server that does not answer, or of
+/// one whose connections were all in use.
+pub(crate) fn unserved(error: sqlx::Error, meter: Option<&Meter>) -> Error {
+    let answers = meter.is_none_or(|meter| meter.answered_within(ACQUIRE_TIMEOUT));
+    match error {
+        sqlx::Error::PoolTimedOut if !answers => Error::DatabaseUnavailable,
+        error => error.into(),
+    }
+}
+
 /// A connection without time limits.
 pub(crate) async fn connect(options: &PgConnectOptions) -> Result<PgConnection> {
     let connected = tokio::time::timeout(ACQUIRE_TIMEOUT, options.connect()).await;
@@ -148,19 +159,22 @@ pub(crate) async fn migrate(connection: &mut PgConnection, migrator: &Migrator) 
 
 impl Server {
     /// A transaction that holds the lock on writing.
-    pub(super) async fn begin(&self) -> Result<Transaction> {
-        let mut open = self.writers.begin().await?;
+    pub(super) async fn begin(&self, meter: &Meter) -> Result<Transaction> {
+        // A connection that is taken has answered a moment ago.
+        let open = self.writers.begin().await;
+        let mut open = open.map_err(|error| unserved(error, Some(meter)))?;
         #[cfg(test)]
         if self.without_lock.load(std::sync::atomic::Ordering::SeqCst) {
             return Ok(Transaction::postgres(
                 open,
                 crate::store::clock::micros(jiff::Timestamp::now()),
+                meter.clone(),
             ));
         }
         // A separate statement: if it fails, sqlx knows of the transaction and ends it.
         let (_, time): (Option<String>, i64) =
-            sqlx::query_as(TAKE_LOCK).bind(WRITE_LOCK).fetch_one(&mut *open).await?;
-        Ok(Transaction::postgres(open, time))
+            answered(sqlx::query_as(TAKE_LOCK).bind(WRITE_LOCK).fetch_one(&mut *open)).await?;
+        Ok(Transaction::postgres(open, time, meter.clone()))
     }
 
     /// Wakes waiters when any server changes what they wait for, for as long as the database is open.

@@ -17,6 +17,7 @@ use crate::{
     Error, Result,
     database::migrations,
     folder::{self, disk::Reserve},
+    meter::Meter,
     sql::{Readers, Transaction},
 };
 
@@ -35,8 +36,9 @@ pub(crate) struct Writer(SqlitePool);
 
 impl Writer {
     /// A transaction that holds the write lock from its start.
-    pub(super) async fn begin(&self) -> Result<Transaction> {
-        Ok(Transaction::sqlite(self.0.begin_with("begin immediate").await?))
+    pub(super) async fn begin(&self, meter: &Meter) -> Result<Transaction> {
+        let open = self.0.begin_with("begin immediate").await?;
+        Ok(Transaction::sqlite(open, meter.clone()))
     }
 
     pub(crate) async fn close(&self) {

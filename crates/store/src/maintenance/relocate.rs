@@ -15,6 +15,7 @@ use crate::{
     Error, ObjectsUrl, Result,
     blobs::{Bucket, Place, files, own, published},
     database, folder,
+    meter::{Meter, Part},
 };
 
 /// Blobs moved concurrently.
@@ -50,7 +51,7 @@ pub async fn relocate(data_dir: &Path, to: &ObjectsUrl) -> Result<Relocation> {
     let identity = identity.ok_or_else(|| Error::NotFound { name: from.display().to_string() })?;
     let _lock = database::lock(data_dir)?;
     database::require_objects(data_dir, Some(to))?;
-    let place = Place::open(Some(to), data_dir, false)?;
+    let place = Place::open(Some(to), data_dir, false, Meter::idle(Part::Content))?;
     match place.identity().await? {
         Some(theirs) if theirs == identity => {}
         None if !place.any().await? => place.set_identity(&identity).await?,

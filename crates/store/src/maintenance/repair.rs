@@ -20,6 +20,7 @@ use crate::{
     },
     database::{self, Database},
     folder::{self, disk::Reserve},
+    meter::{Meter, Part},
     sql::query,
     store::{clock::micros, identity},
 };
@@ -57,7 +58,8 @@ pub async fn repair(data_dir: &Path) -> Result<Repair> {
         done.actions.push(format!("made a new database {}", file.display()));
     }
     let reserve = Arc::new(Reserve::open(data_dir));
-    let database = Database::open(data_dir, None, lock, reserve).await?;
+    let database =
+        Database::open(data_dir, None, lock, reserve, Meter::idle(Part::Database)).await?;
     let mended = mend_content(data_dir, &database, &mut done).await;
     database.close().await;
     mended.map(|()| done)
@@ -114,7 +116,8 @@ async fn mend_content(data_dir: &Path, database: &Database, done: &mut Repair) -
     let now = micros(Timestamp::now());
     let (mine, theirs) = (identity::of_database(database.read()).await?, files::identity(&blobs)?);
     if mine.is_none() || mine != theirs {
-        identity::join(database, mine, &Place::open(None, data_dir, false)?, now).await?;
+        let place = Place::open(None, data_dir, false, Meter::idle(Part::Content))?;
+        identity::join(database, mine, &place, now).await?;
         done.actions.push("gave the database and the content one identity".to_owned());
     }
     let references: Vec<Reference> = query(references::ALL).fetch_all(database.read()).await?;

@@ -11,7 +11,7 @@ use crate::{
     },
     database::{self, Database},
     fleet::servers,
-    sql::{Readers, query, query_scalar},
+    sql::{Reading, query, query_scalar},
 };
 
 /// Refuses blobs without a database, before a new one is made beside them.
@@ -105,13 +105,13 @@ async fn new_identity(database: &Database, now: i64) -> Result<String> {
     Ok(identity)
 }
 
-pub(crate) async fn of_database(readers: &Readers) -> Result<Option<String>> {
+pub(crate) async fn of_database(readers: Reading<'_>) -> Result<Option<String>> {
     let identity = query_scalar("select identity from store where id = 1");
     identity.fetch_optional(readers).await
 }
 
 /// True if any row refers to an existing blob.
-async fn any_referred(readers: &Readers, place: &Place) -> Result<bool> {
+async fn any_referred(readers: Reading<'_>, place: &Place) -> Result<bool> {
     if !place.any().await? {
         return Ok(false);
     }

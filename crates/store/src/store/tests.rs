@@ -67,8 +67,13 @@ impl Bench {
     ) -> Self {
         let database = postgres.as_ref().map(|database| database.url.clone());
         let data_dir = dir.path().to_owned();
-        let options =
-            Options { data_dir, database, objects: objects.clone(), clock: clock.clone() };
+        let options = Options {
+            data_dir,
+            database,
+            objects: objects.clone(),
+            clock: clock.clone(),
+            observer: None,
+        };
         let store = Store::open(options).await.unwrap();
         Self { dir, clock, store, postgres, objects }
     }
@@ -81,6 +86,7 @@ impl Bench {
             database: self.url(),
             objects: self.objects.clone(),
             clock: self.clock.clone(),
+            observer: None,
         };
         Second { store: Store::open(options).await.unwrap(), _dir: dir }
     }
@@ -103,7 +109,8 @@ impl Bench {
         self.store.close().await;
         let (database, objects) = (self.url(), self.objects.clone());
         let data_dir = self.dir.path().to_owned();
-        Store::open(Options { data_dir, database, objects, clock: self.clock.clone() }).await
+        let clock = self.clock.clone();
+        Store::open(Options { data_dir, database, objects, clock, observer: None }).await
     }
 
     /// The folder alone, after the process has died.
@@ -260,6 +267,7 @@ async fn one_server_per_folder_of_sqlite(on: On) {
         database: bench.url(),
         objects: bench.objects.clone(),
         clock: bench.clock.clone(),
+        observer: None,
     };
     let second = Store::open(second).await;
     if bench.postgres.is_none() {

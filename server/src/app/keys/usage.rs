@@ -4,17 +4,17 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_store::{OwnerUsage, Page, PageRequest};
-use tokio::{sync::Mutex, time::Instant};
 
-use super::super::{App, Result};
+use super::super::{App, Result, renewed::Renewed};
 use crate::context::Context;
 
 /// Age up to which the usage of all owners is reused for metrics.
 const FRESH: Duration = Duration::from_secs(60);
+/// Longest wait for a newer one.
+const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The usage of all owners as it was computed last, and when.
-#[derive(Debug, Default)]
-pub(in crate::app) struct KnownUsage(Mutex<Option<(Instant, Arc<[OwnerUsage]>)>>);
+/// The usage of all owners as it was computed last.
+pub(in crate::app) type KnownUsage = Renewed<Arc<[OwnerUsage]>>;
 
 impl App {
     /// Usage of the caller's owner, with the bounds of the key that is used.
@@ -29,16 +29,17 @@ impl App {
         Ok(self.store.usage().list(&self.options.quotas.to_store(), page).await?)
     }
 
-    /// Usage of all owners, at most a minute old.
-    pub(in crate::app) async fn recent_usage(&self) -> Result<Arc<[OwnerUsage]>> {
-        // Those who ask meanwhile wait for the one who computes it.
-        let mut known = self.known_usage.0.lock().await;
-        if let Some((_, usage)) = known.as_ref().filter(|(made, _)| made.elapsed() < FRESH) {
-            return Ok(usage.clone());
-        }
-        let usage: Arc<[OwnerUsage]> =
-            self.store.usage().all(&self.options.quotas.to_store()).await?.into();
-        *known = Some((Instant::now(), usage.clone()));
-        Ok(usage)
+    /// Usage of all owners, a minute old or, while the database does not answer, older; none before the
+    /// first.
+    pub(in crate::app) async fn recent_usage(&self) -> Option<Arc<[OwnerUsage]>> {
+        let make = || {
+            let (store, defaults) = (self.store.clone(), self.options.quotas.to_store());
+            async move {
+                let read = store.usage().all(&defaults).await;
+                let read = read.inspect_err(|error| tracing::warn!(%error, "no metrics by owner"));
+                read.ok().map(Into::into)
+            }
+        };
+        Some(self.known_usage.get(FRESH, PATIENCE, make).await?.value)
     }
 }

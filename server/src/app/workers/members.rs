@@ -9,7 +9,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{ServerId, WorkerId};
-use bendtwin_store::{Server, Worker, WorkerEnd};
+use bendtwin_store::{Job, Server, Worker, WorkerEnd};
 use uuid::Uuid;
 
 use crate::app::{App, Error, Result};
@@ -158,13 +158,12 @@ impl App {
                 Some(server) if servers.contains(&server) => {
                     elsewhere.insert(id);
                 }
-                Some(_) => self.forfeit(id, WorkerEnd::ByServer).await?,
+                Some(_) => drop(self.forfeit(id, WorkerEnd::ByServer).await?),
                 None if worker.is_supervised && silent => {
                     self.forfeit(id, WorkerEnd::ByServer).await?;
                 }
                 None if silent && self.dispatch.silence(id) > lease => {
-                    tracing::warn!(worker = %id, "worker fell silent");
-                    self.worker_gone(id).await?;
+                    self.worker_fell_silent(id).await?;
                 }
                 None => {}
             }
@@ -219,15 +218,19 @@ impl App {
 
     /// Forgets a worker that has ended, and requeues its jobs. The attempts of one that ended with its
     /// server, or in good order, do not count.
-    pub(in crate::app) async fn forfeit(&self, worker: WorkerId, end: WorkerEnd) -> Result<()> {
+    /// Returns the jobs.
+    pub(in crate::app) async fn forfeit(
+        &self,
+        worker: WorkerId,
+        end: WorkerEnd,
+    ) -> Result<Vec<Job>> {
         self.dispatch.remove(worker);
-        for job in self.store.jobs().forfeit(worker, end).await? {
-            self.note_end(&job);
-        }
+        let jobs = self.store.jobs().forfeit(worker, end).await?;
+        jobs.iter().for_each(|job| self.note_end(job));
         self.store.workers().forget(worker).await?;
         // It may have been learned again from its row.
         self.dispatch.remove(worker);
-        Ok(())
+        Ok(jobs)
     }
 }
 

@@ -80,7 +80,7 @@ async fn call(server: &Server, name: &str, key: Option<&str>) -> Option<(String,
 }
 
 /// Every entry of the table, with no key, one of all other scopes, a revoked and an expired one of
-/// all scopes, and one of the right scope alone.
+/// all scopes, one of the right scope alone, and one for the metrics.
 #[tokio::test]
 async fn every_route_and_rpc_takes_what_the_table_says() {
     const REFUSALS: [&str; 6] = [
@@ -122,12 +122,15 @@ async fn every_route_and_rpc_takes_what_the_table_says() {
             ("revoked", Some(&revoked), "KEY_REVOKED"),
             ("expired", Some(&expired), "KEY_EXPIRED"),
             ("right", Some(&right[&scope]), ""),
+            ("metrics", Some(&right[&Scope::MetricsRead]), "SCOPE_MISSING"),
         ];
         for (case, key, refusal) in cases {
             let expected = match access {
                 Access::Open => "",
                 Access::Worker => "BAD_WORKER_TOKEN",
                 Access::Anyone if case == "wrong scope" => "",
+                // It is a part of every other scope.
+                Access::Scope(Scope::MetricsRead) if refusal == "SCOPE_MISSING" => "",
                 _ => refusal,
             };
             let refused = call(&server, name, key.map(String::as_str)).await;
@@ -140,7 +143,11 @@ async fn every_route_and_rpc_takes_what_the_table_says() {
                 "{name}, {case}: {reason}"
             );
             if reason == "SCOPE_MISSING" && !message.is_empty() {
-                assert!(message.contains(scope.as_str()), "{name}: {message}");
+                let named = match access {
+                    Access::Anyone => Scope::MetricsRead,
+                    _ => scope,
+                };
+                assert!(message.contains(named.as_str()), "{name}: {message}");
             }
             for key in [Some(&revoked), Some(&expired), key].into_iter().flatten() {
                 assert!(!message.contains(key.as_str()), "{name}: {message}");
@@ -148,7 +155,7 @@ async fn every_route_and_rpc_takes_what_the_table_says() {
             compared += 1;
         }
     }
-    assert_eq!(compared, 5 * TABLE.len());
+    assert_eq!(compared, 6 * TABLE.len());
 }
 
 #[tokio::test]

@@ -58,7 +58,7 @@ async fn owners_do_not_meet_in_their_request_ids() {
         let parts = [Part::Metadata(metadata), Part::Chunk(content.as_bytes().into())];
         let parts = parts.map(|part| CreateCaptureRequest { part: Some(part) });
         let capture = client.create_capture(futures::stream::iter(parts)).await.unwrap();
-        captures.push(capture.into_inner().name);
+        captures.push(capture.into_inner().capture.unwrap().name);
     }
     assert!(captures.iter().all(|name| seen.contains(&format!("{name:?}"))), "{captures:?}");
     let mut fits = FitServiceClient::with_interceptor(server.channel.clone(), bearer(&keys[1]));

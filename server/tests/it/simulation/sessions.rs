@@ -78,6 +78,7 @@ async fn costs_in_a_session_see_its_world_and_grasps() {
         slots: 1,
         grasps: 1,
         colliders: 1,
+        owner: "local".to_owned(),
     };
     let initial = json!({"session": {"session": held.session}});
     let heartbeat = HeartbeatRequest {

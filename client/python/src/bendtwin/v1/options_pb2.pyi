@@ -20,6 +20,7 @@ class Scope(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     ROLLOUTS_RUN: _ClassVar[Scope]
     TWINS_READ: _ClassVar[Scope]
     TWINS_WRITE: _ClassVar[Scope]
+    METRICS_READ: _ClassVar[Scope]
 SCOPE_UNSPECIFIED: Scope
 OPEN: Scope
 ANYONE: Scope
@@ -32,6 +33,7 @@ FITS_WRITE: Scope
 ROLLOUTS_RUN: Scope
 TWINS_READ: Scope
 TWINS_WRITE: Scope
+METRICS_READ: Scope
 SCOPE_OF_ALL_FIELD_NUMBER: _ClassVar[int]
 scope_of_all: _descriptor.FieldDescriptor
 SCOPE_FIELD_NUMBER: _ClassVar[int]

@@ -11,7 +11,7 @@ use object_store::{
 use tokio::sync::Semaphore;
 
 use super::{Bucket, SENDERS, http::Connector};
-use crate::{Error, Result};
+use crate::{Error, Result, meter::Meter};
 
 /// Time after which a request that failed is not tried again.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(10);
@@ -27,7 +27,7 @@ impl Bucket {
     ///
     /// # Errors
     /// If the environment does not name one, or a file of authorities that cannot be used.
-    pub(crate) fn open(bucket: &str, prefix: Path) -> Result<Self> {
+    pub(crate) fn open(bucket: &str, prefix: Path, meter: Meter) -> Result<Self> {
         let backoff =
             BackoffConfig { init_backoff: FIRST_BACKOFF, max_backoff: LONGEST_BACKOFF, base: 2.0 };
         let retry =
@@ -52,7 +52,7 @@ impl Bucket {
             "" => format!("s3://{bucket}"),
             prefix => format!("s3://{bucket}/{prefix}"),
         };
-        Ok(Self { store, prefix, name, senders: Semaphore::new(SENDERS) })
+        Ok(Self { store, prefix, name, senders: Semaphore::new(SENDERS), meter })
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct Multipart {
 impl Bucket {
     /// Begins one. Returns its id.
     pub(crate) async fn begin(&self, object: &Path) -> Result<String> {
-        self.ask(self.store.create_multipart(&self.full(object))).await
+        self.ask("write", self.store.create_multipart(&self.full(object))).await
     }
 
     /// Sends a part, counted from 0. Returns its tag; none if the upload is gone.
@@ -39,7 +39,7 @@ impl Bucket {
     ) -> Result<Option<String>> {
         let object = self.full(&upload.object);
         let sent = self.store.put_part(&object, &upload.id, nth, bytes.into());
-        Ok(found(self.ask(sent).await)?.map(|part| part.content_id))
+        Ok(found(self.ask("write", sent).await)?.map(|part| part.content_id))
     }
 
     /// Makes the object of its parts. Returns false if the upload is gone: it may be complete.
@@ -47,7 +47,7 @@ impl Bucket {
         let object = self.full(&upload.object);
         let parts = tags.into_iter().map(|content_id| PartId { content_id }).collect();
         let done = self.store.complete_multipart(&object, &upload.id, parts);
-        Ok(found(self.ask(done).await)?.is_some())
+        Ok(found(self.ask("write", done).await)?.is_some())
     }
 
     /// Uploads that have objects.
@@ -65,6 +65,6 @@ impl Bucket {
     /// Ends it without an object.
     pub(crate) async fn abort(&self, upload: &Multipart) -> Result<()> {
         let object = self.full(&upload.object);
-        found(self.ask(self.store.abort_multipart(&object, &upload.id)).await).map(drop)
+        found(self.ask("delete", self.store.abort_multipart(&object, &upload.id)).await).map(drop)
     }
 }

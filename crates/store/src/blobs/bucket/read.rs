@@ -46,7 +46,7 @@ impl Bucket {
     pub(crate) async fn range(&self, path: &Path, range: Range<u64>) -> Result<Bytes> {
         let wanted = range.end - range.start;
         let path = self.full(path);
-        let got = self.ask(self.store.get_range(&path, range)).await;
+        let got = self.ask("read", self.store.get_range(&path, range)).await;
         match found(got)? {
             Some(bytes) if bytes.len() as u64 == wanted => Ok(bytes),
             // It is another than a moment ago.

@@ -50,7 +50,7 @@ impl Bucket {
         size_bytes: u64,
     ) -> Result<()> {
         if size_bytes <= MOST_COPIED {
-            return self.ask(self.store.copy(&self.full(from), &self.full(to))).await;
+            return self.ask("write", self.store.copy(&self.full(from), &self.full(to))).await;
         }
         let source = Source::Object { bucket: self, path: from, at: 0, end: size_bytes };
         self.send_parts(to, source, size_bytes).await
@@ -58,16 +58,16 @@ impl Bucket {
 
     async fn send_parts(&self, to: &Path, source: Source<'_>, size_bytes: u64) -> Result<()> {
         let full = self.full(to);
-        let id = self.ask(self.store.create_multipart(&full)).await?;
+        let id = self.ask("write", self.store.create_multipart(&full)).await?;
         let part = (PART as u64).max(size_bytes.div_ceil(MOST_PARTS)) as usize;
         let done = async {
             let parts = self.put_parts(&full, &id, source, part).await?;
-            self.ask(self.store.complete_multipart(&full, &id, parts)).await.map(drop)
+            self.ask("write", self.store.complete_multipart(&full, &id, parts)).await.map(drop)
         };
         let done = done.await;
         if done.is_err() {
             // What stays of it costs money until the bucket's own rule removes it.
-            self.ask(self.store.abort_multipart(&full, &id)).await.ok();
+            self.ask("delete", self.store.abort_multipart(&full, &id)).await.ok();
         }
         done
     }
@@ -90,7 +90,8 @@ impl Bucket {
             {
                 parts.push(put?);
             }
-            under_way.push_back(self.ask(self.store.put_part(full, id, nth, bytes.into())));
+            under_way
+                .push_back(self.ask("write", self.store.put_part(full, id, nth, bytes.into())));
         }
         while let Some(put) = under_way.next().await {
             parts.push(put?);

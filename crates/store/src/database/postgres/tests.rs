@@ -219,6 +219,7 @@ async fn second(bench: &Bench) -> (tempfile::TempDir, Store) {
         database: bench.url(),
         objects: None,
         clock: Arc::new(SystemClock),
+        observer: None,
     };
     let store = Store::open(options).await.unwrap();
     (dir, store)
@@ -277,6 +278,7 @@ async fn leases_are_measured_by_the_clock_of_the_database() {
         database: bench.url(),
         objects: None,
         clock: Arc::new(Ahead),
+        observer: None,
     };
     let bench = Bench { store: Store::open(options).await.unwrap(), ..bench };
     let lease = Duration::from_millis(1500);
