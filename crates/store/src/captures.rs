@@ -129,7 +129,12 @@ impl Row {
     }
 
     /// The capture, if the request that made it is this one.
-    fn repeated(self, request: RequestId<'_>, display_name: &str, digest: Digest) -> Result<Capture> {
+    fn repeated(
+        self,
+        request: RequestId<'_>,
+        display_name: &str,
+        digest: Digest,
+    ) -> Result<Capture> {
         let same_name = self.first_name() == display_name;
         let before = Capture::try_from(self)?;
         if before.digest == digest && same_name {
@@ -272,6 +277,7 @@ impl Captures<'_> {
             owner: &creator.owner,
             trace_parent: trace_parent.as_deref(),
             requirements: &requirements,
+            max_running: creator.quotas.running_jobs,
         };
         let now = self.store.now_micros();
         let ingest = jobs::enqueue(&mut tx, &row.id, &facts.ingest, asked, now).await?;

@@ -221,8 +221,7 @@ impl Twins<'_> {
     /// Database errors.
     pub async fn has_requested(&self, owner: &str, request_id: &str) -> Result<bool> {
         let request = RequestId { owner, id: request_id };
-        let row: Option<Row> =
-            request.find(self.store.inner.database.read(), "*", "twins").await?;
+        let row: Option<Row> = request.find(self.store.inner.database.read(), "*", "twins").await?;
         Ok(row.is_some())
     }
 
@@ -240,8 +239,7 @@ impl Twins<'_> {
         digest: Digest,
     ) -> Result<Twin> {
         let request = RequestId { owner, id: request_id };
-        let row: Option<Row> =
-            request.find(self.store.inner.database.read(), "*", "twins").await?;
+        let row: Option<Row> = request.find(self.store.inner.database.read(), "*", "twins").await?;
         match row {
             Some(row) => row.repeated(request, name, digest),
             None => {

@@ -30,7 +30,9 @@ impl App {
             let content = self.receive(body, receiving, digest).await?;
             if let Some(request_id) = request_id.as_deref().filter(|_| content.is_compared()) {
                 let twins = self.store.twins();
-                return Ok(twins.repeated(&owner, request_id, &display_name, content.digest()).await?);
+                return Ok(twins
+                    .repeated(&owner, request_id, &display_name, content.digest())
+                    .await?);
             }
             let facts = self.check_twin(&content).await?;
             let creator = Context::current().caller.creator();

@@ -11,4 +11,5 @@ mod revocation;
 mod stores;
 mod tls_terminator;
 mod traces;
+mod turns;
 mod upgrades;
