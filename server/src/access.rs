@@ -85,6 +85,12 @@ impl Caller {
         (!self.scopes.reach_all(scope)).then(|| self.owner.to_string())
     }
 
+    /// The highest priority that the caller may give a fit.
+    pub(crate) fn most_priority(&self) -> i32 {
+        let most = most_priority(self.key.is_none() || self.scopes.has(Scope::Admin), self.quotas);
+        i32::try_from(most).unwrap_or(i32::MAX)
+    }
+
     /// The caller as the maker of something.
     pub(crate) fn creator(&self) -> Creator {
         Creator { owner: self.owner.to_string(), quotas: self.quotas }
@@ -132,6 +138,15 @@ impl Caller {
             None => Err(denied("no scope allows this call".to_owned())),
         }
     }
+}
+
+/// The highest priority that fits may have.
+pub(crate) const MOST_PRIORITY: u32 = 100;
+
+/// The highest priority that the holder of a key may give a fit: normal, unless the key says otherwise
+/// or its holder may make any key.
+pub(crate) fn most_priority(is_admin: bool, quotas: Quotas) -> u32 {
+    quotas.priority.unwrap_or(if is_admin { MOST_PRIORITY } else { 0 })
 }
 
 fn denied(message: String) -> Refusal {

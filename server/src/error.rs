@@ -40,6 +40,12 @@ pub(crate) enum Error {
     #[error("the settings are not accepted: {}", .0.join("; "))]
     #[problem(InvalidArgument, "INVALID_SETTINGS")]
     Settings(Vec<String>),
+    #[error(
+        "the key allows fits a priority of up to {most}, and this one has {priority}: leave the priority \
+         out, or use a key made with `bendtwin key create --max-priority {priority}`"
+    )]
+    #[problem(PermissionDenied, "PRIORITY_TOO_HIGH")]
+    PriorityTooHigh { priority: i32, most: i32 },
     /// No worker has the memory for a fit.
     #[error("{0}")]
     #[problem(InvalidArgument, "FIT_OUT_OF_MEMORY")]

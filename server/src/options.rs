@@ -1,6 +1,7 @@
 //! Options of a server. Every field has a default, unknown fields are refused, and
 //! [`Options::validate`] reports all faults together.
 
+mod queue;
 mod tls;
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
@@ -10,6 +11,7 @@ use bendtwin_store::{DatabaseUrl, ObjectsUrl, Quotas};
 use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
+pub use queue::Queue;
 pub use tls::{Tls, WorkerTls};
 
 const MIB: u64 = 1 << 20;
@@ -58,6 +60,8 @@ pub struct Options {
     /// Memory that requests under way may take together [MiB]; without it an eighth of the machine's
     /// (or the container's), at least 128 and at most 2048.
     pub memory_mib: Option<u64>,
+    /// Shares of owners in the queue.
+    pub queue: Queue,
     /// Bounds on one request.
     pub limits: Limits,
     /// Bounds on owners whose keys state none.
@@ -124,12 +128,14 @@ pub struct DefaultQuotas {
     pub stored_bytes: Option<u64>,
     /// Rollouts, plans, registrations and evaluations in progress at one server.
     pub rollouts: Option<u64>,
+    /// Fits and ingests that run at workers, at least 1; further ones stay queued.
+    pub running_jobs: Option<u64>,
 }
 
 impl DefaultQuotas {
     pub(crate) fn to_store(self) -> Quotas {
-        let Self { queued_jobs, stored_bytes, rollouts } = self;
-        Quotas { queued_jobs, stored_bytes, rollouts }
+        let Self { queued_jobs, stored_bytes, rollouts, running_jobs } = self;
+        Quotas { queued_jobs, stored_bytes, rollouts, running_jobs, ..Quotas::default() }
     }
 }
 
@@ -200,6 +206,7 @@ impl Default for Options {
             worker_token: None,
             workers: WorkerPolicy::default(),
             memory_mib: None,
+            queue: Queue::default(),
             limits: Limits::default(),
             quotas: DefaultQuotas::default(),
             lease_s: 30.0,
@@ -291,6 +298,8 @@ impl Options {
         within("memory_mib", mib(self.memory_mib, 64), 64.0, f64::from(1 << 24));
         let least = 128 * u64::from(workers.count);
         within("workers.memory_mib", mib(workers.memory_mib, least), least as f64, 1e9);
+        self.queue.validate(&mut within);
+        within("quotas.running_jobs", self.quotas.running_jobs.unwrap_or(1) as f64, 1.0, 1e9);
         let limits = &self.limits;
         let large = (1u64 << 50) as f64;
         within("limits.capture_bytes", limits.capture_bytes as f64, 1.0, large);

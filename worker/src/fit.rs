@@ -63,7 +63,8 @@ impl Execute for Fits {
             Err(fault) => (Outcome::Failed(fault), None),
             Ok(thread) => finish(thread, &attempt.stop).await,
         };
-        if attempt.stop.reason().is_none() {
+        // A fit that makes way does not compute them again.
+        if matches!(attempt.stop.reason(), None | Some(Reason::MakesWay)) {
             report::flush(&attempt.job, &attempt.progress).await;
         }
         self.conclude(&mut attempt, outcome).await;
@@ -147,7 +148,9 @@ impl Fits {
     /// Reports the outcome to the server.
     async fn conclude(&self, attempt: &mut Attempt<'_>, outcome: Outcome) {
         if attempt.stop.reason() == Some(Reason::Stale) {
-            tracing::warn!("the lease is stale: another worker has the job");
+            tracing::warn!(
+                "the lease is stale: the server has ended the attempt, or another worker has the job"
+            );
             return;
         }
         match (outcome, attempt.stop.reason()) {

@@ -15,8 +15,8 @@ use bendtwin_core::{Fault, ModelLoss, Progress};
 use bendtwin_proto::{
     v1,
     worker::v1::{
-        FailJobRequest, JobWrite, Lease, ReportJobRequest, fail_job_request::End,
-        lease_job_request::Kind,
+        FailJobRequest, JobWrite, Lease, ReportJobRequest, ReportJobResponse,
+        fail_job_request::End, lease_job_request::Kind,
     },
 };
 use bytes::Bytes;
@@ -127,9 +127,8 @@ impl LeasedJob {
         artifact::fetch(&self.server, name, limit).await
     }
 
-    /// Renews the lease and stores progress and losses. Returns true if the job has been asked to
-    /// stop.
-    pub(crate) async fn report(&self, news: &News) -> Result<bool, CallError> {
+    /// Renews the lease and stores progress and losses. Returns what the server asks of the job.
+    pub(crate) async fn report(&self, news: &News) -> Result<ReportJobResponse, CallError> {
         let request = ReportJobRequest {
             worker: self.worker.to_string(),
             job: self.lease.job.clone(),
@@ -137,7 +136,7 @@ impl LeasedJob {
             progress: news.progress.as_ref().map(wire_progress),
             losses: news.losses.iter().map(wire_loss).collect(),
         };
-        Ok(self.server.report_job(request).await?.cancel_requested)
+        self.server.report_job(request).await
     }
 
     pub(crate) async fn save_checkpoint(&self, content: Bytes) -> Result<(), CallError> {

@@ -93,6 +93,8 @@ pub struct Job {
     pub end_time: Option<Timestamp>,
     /// Revision; grows with every change, and from one run of an ingest to the next.
     pub revision: u64,
+    /// Time for which it has run at workers, over all attempts, as of the last report [s].
+    pub run_s: f64,
 }
 }
 

@@ -1365,7 +1365,7 @@ export interface components {
             display_name?: string;
             /**
              * Format: int32
-             * @description Priority, -100..100: fits with a higher one run earlier. Normal: 0.
+             * @description Priority, -100..100: fits with a higher one run earlier. Normal: 0; the key bounds it (`KeyQuotas`).
              */
             priority?: number;
             /** @description Worker that the fit requires; absent: any. */
@@ -1652,6 +1652,11 @@ export interface components {
              * @description Number that grows with every change, also from one run of an ingest to the next; it is the id of server-sent events.
              */
             revision: number;
+            /**
+             * Format: double
+             * @description Time for which the job has run at workers, over all attempts, as of the last report of its worker [s].
+             */
+            run_s: number;
             /** @description The settings in force, as JSON (docs/use/settings.md). */
             settings: {
                 [key: string]: unknown;
@@ -1690,8 +1695,20 @@ export interface components {
             /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, metrics:read, rollouts:run, twins:read, twins:write. Those of captures, fits, rollouts and twins may end in `:own`, for example captures:write:own: the scope then applies to what the owner of the key has, and to what members of the owner's projects have. */
             scopes: string[];
         };
-        /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound but the server's default. */
+        /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound but the server's default, unless it says otherwise. */
         KeyQuotas: {
+            /**
+             * Format: int64
+             * @description Time for which one fit may run at workers, over all attempts [s]; the server's bound applies as well.
+             * @default null
+             */
+            fit_run_s: number | null;
+            /**
+             * Format: int64
+             * @description Highest priority of fits, up to 100. Absent when a key is created: 0, or 100 with the scope admin.
+             * @default null
+             */
+            priority: number | null;
             /**
              * Format: int64
              * @description Fits and ingests that wait for a worker.
@@ -1704,6 +1721,12 @@ export interface components {
              * @default null
              */
             rollouts: number | null;
+            /**
+             * Format: int64
+             * @description Fits and ingests that run at workers, at least 1; further ones stay queued.
+             * @default null
+             */
+            running_jobs: number | null;
             /**
              * Format: int64
              * @description Size of everything stored for the owner: captures with what was added to them and made of them, twins, checkpoints, and uploads in progress [bytes].

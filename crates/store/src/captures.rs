@@ -277,6 +277,7 @@ impl Captures<'_> {
             owner: &creator.owner,
             trace_parent: trace_parent.as_deref(),
             requirements: &requirements,
+            max_running: creator.quotas.running_jobs,
         };
         let now = self.store.now_micros();
         let ingest = jobs::enqueue(&mut tx, &row.id, &facts.ingest, asked, now).await?;

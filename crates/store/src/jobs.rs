@@ -1,6 +1,6 @@
 //! Jobs: the queue. Its design is in the crate's documentation. Here are the types and the
 //! operations of users on either kind; `fits.rs` and `ingests.rs` have those of one kind,
-//! `claim.rs` the choice of the next job, `requirements.rs` what a job asks of its worker, `lease.rs` the operations of workers, `losses.rs` the losses of fits, `lease_time.rs` the time by which leases end, `end.rs` the ends of
+//! `claim.rs` the choice of the next job, `turns.rs` when a running one makes way, `requirements.rs` what a job asks of its worker, `lease.rs` the operations of workers, `losses.rs` the losses of fits, `lease_time.rs` the time by which leases end, `end.rs` the ends of
 //! attempts, `id.rs` the names and `row.rs` the row.
 
 mod claim;
@@ -13,6 +13,7 @@ mod lease_time;
 mod losses;
 mod requirements;
 mod row;
+mod turns;
 
 use std::time::Duration;
 
@@ -38,7 +39,7 @@ pub use fits::NewFit;
 pub use id::{JobId, Kind};
 pub use ingests::{IngestOutcome, IngestResult, NewIngest, NewReport};
 pub(crate) use ingests::{JobOrigin, admit_ingest, dequeue, enqueue, require_idle};
-pub use lease::{JobReport, Lease, Reported};
+pub use lease::{JobReport, JobTimes, Lease, Reported};
 pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
 #[cfg(test)]
@@ -46,6 +47,9 @@ pub(crate) use requirements::DIFFERENT as DIFFERENT_REQUIREMENTS;
 pub use requirements::{Capabilities, Requirements};
 pub use row::State;
 pub(crate) use row::fits_under_way;
+pub use turns::Turns;
+#[cfg(test)]
+pub(crate) use turns::waiting as waiting_statement;
 
 use row::Row;
 
@@ -110,6 +114,8 @@ pub struct Job {
     pub owner: String,
     /// Worker that it asks for.
     pub requirements: Requirements,
+    /// Time for which it has run at workers, over all attempts, as of its last report.
+    pub run: Duration,
 }
 
 /// Number of jobs by kind and state, and waiting time of the queues.
@@ -257,9 +263,8 @@ impl Jobs<'_> {
     pub(crate) fn changed(&self, job: &Job) {
         // No receiver, no matter.
         let _ = self.store.inner.changes.send(job.id);
-        // The end of an ingest sets fits free.
-        let frees = job.id.kind() == Kind::Ingest && job.state.has_ended();
-        if job.state == State::Queued || frees {
+        // The end of an ingest sets fits free, and that of any job may bring its owner below a bound.
+        if job.state == State::Queued || job.state.has_ended() {
             self.store.inner.queued.notify_waiters();
         }
     }

@@ -77,6 +77,9 @@ row! {
         max_queued_jobs: Option<i64>,
         max_stored_bytes: Option<i64>,
         max_rollouts: Option<i64>,
+        max_running_jobs: Option<i64>,
+        max_fit_run_s: Option<i64>,
+        max_priority: Option<i64>,
     }
 }
 
@@ -96,6 +99,9 @@ impl TryFrom<Row> for Key {
                 queued_jobs: bound(row.max_queued_jobs),
                 stored_bytes: bound(row.max_stored_bytes),
                 rollouts: bound(row.max_rollouts),
+                running_jobs: bound(row.max_running_jobs),
+                fit_run_s: bound(row.max_fit_run_s),
+                priority: row.max_priority.and_then(|n| u32::try_from(n).ok()),
             },
             created: from_micros(row.created_at),
             expires: row.expires_at.map(from_micros),
@@ -114,15 +120,16 @@ impl Keys<'_> {
     /// [`Error::DiskFull`], database errors.
     pub async fn create(&self, new: NewKey) -> Result<Key> {
         self.store.admit()?;
-        let bound = |n: Option<u64>| n.map(|n| i64::try_from(n).unwrap_or(i64::MAX));
+        let bound = |n: Option<u64>| n.map(quotas::as_integer);
         let mut scopes = new.scopes;
         scopes.sort();
         scopes.dedup();
         let mut tx = self.store.inner.database.write().await?;
         let row: Row = query(
             "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
-                 max_queued_jobs, max_stored_bytes, max_rollouts)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
+                 max_queued_jobs, max_stored_bytes, max_rollouts, max_running_jobs, max_fit_run_s,
+                 max_priority)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13) returning *",
         )
         .bind(new.id.uuid().to_string())
         .bind(new.display_name)
@@ -135,6 +142,9 @@ impl Keys<'_> {
         .bind(bound(new.quotas.queued_jobs))
         .bind(bound(new.quotas.stored_bytes))
         .bind(bound(new.quotas.rollouts))
+        .bind(bound(new.quotas.running_jobs))
+        .bind(bound(new.quotas.fit_run_s))
+        .bind(new.quotas.priority.map(i64::from))
         .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;

@@ -36,6 +36,12 @@
 //!   with `stalled` at [`MAX_STALLED_ATTEMPTS`] fails the job; the faults of all
 //!   attempts stay with it. An attempt that other work of its worker ended (a rollout that
 //!   killed it) does not count, up to [`MAX_INTERRUPTED_ATTEMPTS`] without progress.
+//! * **Turns**: owners take turns at the claim. A running fit makes way for a fit of an owner that
+//!   has none running ([`Turns`]): its worker releases it with its checkpoint. An owner has no more
+//!   jobs running than the key allows with which they were created.
+//! * **Time**: every report of a worker adds the lease time since the one before to the job's
+//!   running time ([`JobTimes`]), by which the server ends fits that run too long, and takes jobs away
+//!   that make no progress.
 //! * **Completion** inserts the twin, or observation and report, and ends the job
 //!   in one transaction, and is idempotent for one lease, so a lost reply can be
 //!   asked for again.
@@ -137,9 +143,9 @@ pub use fleet::{
 };
 pub use folder::disk::Disk;
 pub use jobs::{
-    AttemptEnd, Capabilities, Claimant, IngestOutcome, IngestResult, Job, JobId, JobReport, Jobs,
-    Kind, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest,
-    NewReport, QueueDepth, Reported, Requirements, State, WorkerEnd,
+    AttemptEnd, Capabilities, Claimant, IngestOutcome, IngestResult, Job, JobId, JobReport,
+    JobTimes, Jobs, Kind, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
+    NewFit, NewIngest, NewReport, QueueDepth, Reported, Requirements, State, Turns, WorkerEnd,
 };
 pub use keys::{
     Key, Keys, NewKey,

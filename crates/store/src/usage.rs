@@ -93,6 +93,9 @@ row! {
         max_queued_jobs: Option<i64>,
         max_stored_bytes: Option<i64>,
         max_rollouts: Option<i64>,
+        max_running_jobs: Option<i64>,
+        max_fit_run_s: Option<i64>,
+        max_priority: Option<i64>,
     }
 }
 
@@ -180,7 +183,8 @@ impl Usage<'_> {
     /// Owners of valid keys, with the bounds of each.
     async fn bounds(&self) -> Result<Vec<(String, Quotas)>> {
         let mut sql = Builder::new(
-            "select owner, max_queued_jobs, max_stored_bytes, max_rollouts from keys
+            "select owner, max_queued_jobs, max_stored_bytes, max_rollouts, max_running_jobs,
+                 max_fit_run_s, max_priority from keys
              where revoked_at is null and (expires_at is null or expires_at > ",
         );
         sql.push_bind(self.store.now_micros()).push(")");
@@ -191,6 +195,9 @@ impl Usage<'_> {
                 queued_jobs: bound(row.max_queued_jobs),
                 stored_bytes: bound(row.max_stored_bytes),
                 rollouts: bound(row.max_rollouts),
+                running_jobs: bound(row.max_running_jobs),
+                fit_run_s: bound(row.max_fit_run_s),
+                priority: row.max_priority.and_then(|n| u32::try_from(n).ok()),
             };
             (row.owner, quotas)
         };

@@ -555,6 +555,9 @@ pub struct Job {
     /// server-sent events.
     #[prost(uint64, tag = "12")]
     pub revision: u64,
+    /// Time for which the job has run at workers, over all attempts, as of the last report of its worker \[s\].
+    #[prost(double, tag = "13")]
+    pub run_s: f64,
 }
 /// Nested message and enum types in `Job`.
 pub mod job {
@@ -2395,7 +2398,7 @@ pub struct CreateFitRequest {
     /// FitSettings as JSON; empty means defaults.
     #[prost(string, tag = "2")]
     pub settings_json: ::prost::alloc::string::String,
-    /// Priority, -100..100: fits with a higher one run earlier. Normal: 0.
+    /// Priority, -100..100: fits with a higher one run earlier. Normal: 0; the key bounds it (`KeyQuotas`).
     #[prost(int32, tag = "3")]
     pub priority: i32,
     /// Makes the call idempotent.
@@ -4880,7 +4883,7 @@ pub struct Key {
     pub quotas: ::core::option::Option<KeyQuotas>,
 }
 /// Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no
-/// bound but the server's default.
+/// bound but the server's default, unless it says otherwise.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct KeyQuotas {
     /// Fits and ingests that wait for a worker.
@@ -4893,6 +4896,15 @@ pub struct KeyQuotas {
     /// Rollouts, plans, registrations and evaluations in progress at one server.
     #[prost(uint64, optional, tag = "3")]
     pub rollouts: ::core::option::Option<u64>,
+    /// Fits and ingests that run at workers, at least 1; further ones stay queued.
+    #[prost(uint64, optional, tag = "4")]
+    pub running_jobs: ::core::option::Option<u64>,
+    /// Time for which one fit may run at workers, over all attempts \[s\]; the server's bound applies as well.
+    #[prost(uint64, optional, tag = "5")]
+    pub fit_run_s: ::core::option::Option<u64>,
+    /// Highest priority of fits, up to 100. Absent when a key is created: 0, or 100 with the scope admin.
+    #[prost(uint32, optional, tag = "6")]
+    pub priority: ::core::option::Option<u32>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateKeyRequest {

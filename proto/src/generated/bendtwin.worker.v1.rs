@@ -311,10 +311,14 @@ pub struct ReportJobRequest {
     #[prost(message, repeated, tag = "5")]
     pub losses: ::prost::alloc::vec::Vec<super::super::v1::ModelLoss>,
 }
-#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct ReportJobResponse {
     #[prost(bool, tag = "1")]
     pub cancel_requested: bool,
+    /// Present while a fit of another owner waits for this worker: the job is to be handed back (RELEASED) at its
+    /// next checkpoint, or after this time without one \[s\].
+    #[prost(double, optional, tag = "2")]
+    pub make_way_within_s: ::core::option::Option<f64>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SaveCheckpointRequest {
@@ -477,7 +481,8 @@ pub mod fail_job_request {
         FailedForGood = 2,
         /// The job was cancelled.
         Cancelled = 3,
-        /// The worker exits in good order: the job is requeued without counting an attempt.
+        /// The worker exits in good order, or the job makes way for another owner's: the job is requeued without
+        /// counting an attempt.
         Released = 4,
         /// Other work of the worker, which has to exit, broke something that the job needs: the job is requeued.
         /// This counts as an attempt only if the last twenty attempts ended so.
@@ -728,7 +733,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "LeaseJob"));
             self.inner.unary(req, path, codec).await
         }
-        /// Renews the lease and stores progress; the reply says whether the job is to be cancelled.
+        /// Renews the lease and stores progress; the reply says whether the job is to be cancelled, or handed back.
         pub async fn report_job(
             &mut self,
             request: impl tonic::IntoRequest<super::ReportJobRequest>,
@@ -947,7 +952,7 @@ pub mod worker_link_server {
             tonic::Response<super::LeaseJobResponse>,
             tonic::Status,
         >;
-        /// Renews the lease and stores progress; the reply says whether the job is to be cancelled.
+        /// Renews the lease and stores progress; the reply says whether the job is to be cancelled, or handed back.
         async fn report_job(
             &self,
             request: tonic::Request<super::ReportJobRequest>,

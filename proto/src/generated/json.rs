@@ -378,7 +378,7 @@ written!(crate::v1::Vary);
 
 impl Fields for crate::v1::Job {
     const NAME: &'static str = "Job";
-    const FIELDS: &'static [&'static str] = &["state", "settings", "progress", "fault", "attempt_faults", "attempts", "worker", "cancel_requested", "create_time", "start_time", "end_time", "revision"];
+    const FIELDS: &'static [&'static str] = &["state", "settings", "progress", "fault", "attempt_faults", "attempts", "worker", "cancel_requested", "create_time", "start_time", "end_time", "revision", "run_s"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -395,6 +395,7 @@ impl Fields for crate::v1::Job {
 9 => { self.start_time = time(map)?; }
 10 => { self.end_time = time(map)?; }
 11 => { self.revision = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.run_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -414,6 +415,7 @@ map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?
 map.serialize_entry("start_time", &self.start_time.map(Time))?;
 map.serialize_entry("end_time", &self.end_time.map(Time))?;
 map.serialize_entry("revision", &self.revision)?;
+map.serialize_entry("run_s", &self.run_s)?;
 
         Ok(())
     }
@@ -1717,7 +1719,7 @@ written!(crate::v1::Key);
 
 impl Fields for crate::v1::KeyQuotas {
     const NAME: &'static str = "KeyQuotas";
-    const FIELDS: &'static [&'static str] = &["queued_jobs", "stored_bytes", "rollouts"];
+    const FIELDS: &'static [&'static str] = &["queued_jobs", "stored_bytes", "rollouts", "running_jobs", "fit_run_s", "priority"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -1725,6 +1727,9 @@ impl Fields for crate::v1::KeyQuotas {
             0 => { self.queued_jobs = map.next_value()?; }
 1 => { self.stored_bytes = map.next_value()?; }
 2 => { self.rollouts = map.next_value()?; }
+3 => { self.running_jobs = map.next_value()?; }
+4 => { self.fit_run_s = map.next_value()?; }
+5 => { self.priority = map.next_value()?; }
 
             _ => {}
         }
@@ -1735,6 +1740,9 @@ impl Fields for crate::v1::KeyQuotas {
         map.serialize_entry("queued_jobs", &self.queued_jobs)?;
 map.serialize_entry("stored_bytes", &self.stored_bytes)?;
 map.serialize_entry("rollouts", &self.rollouts)?;
+map.serialize_entry("running_jobs", &self.running_jobs)?;
+map.serialize_entry("fit_run_s", &self.fit_run_s)?;
+map.serialize_entry("priority", &self.priority)?;
 
         Ok(())
     }

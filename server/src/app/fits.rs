@@ -54,11 +54,17 @@ impl App {
             if !PRIORITIES.contains(&priority) {
                 return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
             }
+            let context = Context::current();
+            let most = context.caller.most_priority();
+            if priority > most {
+                return Err(Error::PriorityTooHigh { priority, most });
+            }
             self.require_room(0)?;
             let display_name = labels::display_name(display_name)?;
             requirements::check(&requirements)?;
             let capture = self.reach(Scope::FitsWrite, &capture).await?;
             let settings = settings(&settings_json, self.options.limits.json_bytes)?;
+            self.check_time(&settings, context.caller.quotas.fit_run_s)?;
             if let Some(twin) = &settings.start_from {
                 // Unknown names are reported before the fit waits.
                 let twin = self.reach(Scope::FitsWrite, twin).await?;
@@ -67,7 +73,6 @@ impl App {
             self.check_memory(capture, &settings).await?;
             let (settings, version) = since::for_workers(&settings)?;
             requirements.version = version;
-            let context = Context::current();
             let new = NewFit {
                 capture,
                 settings,
@@ -85,6 +90,20 @@ impl App {
         .await;
         audit::made("CreateFit", &done, |fit| fit.id.to_string());
         done
+    }
+
+    /// Refuses a time limit that the fit would not live to see: with one within the bounds it ends with
+    /// a twin. `of_key` is the bound of the key [s].
+    fn check_time(&self, settings: &FitSettings, of_key: Option<u64>) -> Result<()> {
+        let of_server = self.options.queue.fit_run_s;
+        let most = of_key.map_or(of_server, |of_key| of_server.min(of_key as f64));
+        match settings.within_s {
+            Some(within) if within > most => Err(Error::invalid(
+                "settings.within_s",
+                format!("is {within}: a fit may run for {most} s here"),
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Refuses a fit that no worker has the memory for. Before the capture has been read, or while

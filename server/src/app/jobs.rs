@@ -1,5 +1,6 @@
 //! Jobs as workers see them: leased, reported, checkpointed, ended.
 
+mod overrun;
 pub(super) mod results;
 
 use std::{collections::HashSet, time::Duration};
@@ -10,7 +11,7 @@ use bendtwin_core::{
 };
 use bendtwin_store::{
     AttemptEnd, Capture, Claimant, Content, Digest, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
-    Observation, Supplement, SupplementKind, TwinFacts, WorkerEnd,
+    Observation, Reported, Supplement, SupplementKind, Turns, TwinFacts, WorkerEnd,
 };
 
 use super::{App, Body, Error, Result, captures::supplements, receive::Receiving};
@@ -115,8 +116,7 @@ impl App {
     ) -> Result<Offer> {
         self.require_known(worker).await?;
         let jobs = self.store.jobs();
-        let capabilities = self.dispatch.capabilities(worker);
-        let claimant = Claimant { worker, capabilities };
+        let claimant = self.claimant(worker);
         let wait = wait.min(LONGEST_WAIT);
         let claimed = jobs.claim_within(kind, claimant, self.options.lease(), wait);
         let draining = self.dispatch.draining(worker);
@@ -142,8 +142,11 @@ impl App {
             Kind::Fit => (Vec::new(), None),
         };
         guard.lease = None;
-        let queued = job.created.duration_until(self.store.now()).as_secs_f64();
-        self.metrics.job_leased(kind, queued);
+        if job.lease_epoch == 1 {
+            // Later ones were handed back, or failed: they did not wait all the time.
+            let queued = job.created.duration_until(self.store.now()).as_secs_f64();
+            self.metrics.job_leased(kind, queued);
+        }
         self.dispatch.set_job(worker, kind, Some(&job));
         self.dispatch.seen(worker);
         tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
@@ -151,16 +154,29 @@ impl App {
         Ok(Offer::Job(Box::new(leased)))
     }
 
-    /// Renews a lease and keeps what is new. Returns true if the job has been asked to stop.
-    pub(crate) async fn report_job(&self, lease: Lease, news: &News) -> Result<bool> {
-        // Ingests have none.
+    /// A worker as one that asks for jobs.
+    fn claimant(&self, worker: WorkerId) -> Claimant {
+        Claimant { worker, capabilities: self.dispatch.capabilities(worker) }
+    }
+
+    /// Renews a lease and keeps what is new. Ends the attempt if the job has run too long or makes no
+    /// progress: the worker learns of it with its next report, whose lease is stale.
+    pub(crate) async fn report_job(&self, lease: Lease, news: &News) -> Result<Reported> {
+        // Ingests have none, and do not make way.
         let is_fit = lease.job.fit().is_some();
         let losses = if is_fit { &news.losses[..] } else { &[] };
-        let (report, renew) =
-            (JobReport { progress: news.progress.as_ref(), losses }, self.options.lease());
-        let reported = self.store.jobs().report(lease, report, renew).await?;
+        let claimant = self.claimant(lease.worker);
+        let turns = Turns { claimant: &claimant, slice: self.options.queue.slice() };
+        let turns = is_fit.then_some(turns);
+        let report = JobReport { progress: news.progress.as_ref(), losses, turns };
+        let reported = self.store.jobs().report(lease, report, self.options.lease()).await?;
         self.dispatch.seen(lease.worker);
-        Ok(reported.cancel_requested)
+        let overrun = overrun::of(lease.job.kind(), &reported.times, &self.options.queue);
+        if let Some(overrun) = overrun.filter(|_| !reported.cancel_requested) {
+            tracing::warn!(job = %lease.job, worker = %lease.worker, "{overrun}");
+            self.end_attempt(lease, overrun.into()).await?;
+        }
+        Ok(reported)
     }
 
     pub(crate) async fn save_checkpoint(

@@ -9,7 +9,7 @@ use jiff::Timestamp;
 
 use super::{App, Error, Result, labels};
 use crate::{
-    access::{Grant, Scope, key},
+    access::{Grant, MOST_PRIORITY, Scope, key},
     audit,
 };
 
@@ -35,6 +35,7 @@ impl App {
             }
             let owner = labels::owner(if owner.is_empty() { display_name.clone() } else { owner })?;
             check_scopes(&scopes)?;
+            check_quotas(&quotas)?;
             if expires.is_some_and(|end| end <= self.store.now()) {
                 return Err(Error::invalid("expire_time", "is past: choose a later time"));
             }
@@ -80,6 +81,23 @@ impl App {
         .await;
         audit::changed("DeleteKey", name, &done);
         done
+    }
+}
+
+fn check_quotas(quotas: &Quotas) -> Result<()> {
+    if quotas.running_jobs == Some(0) {
+        let fault = "is 0, with which no job would ever run: give at least 1";
+        return Err(Error::invalid("quotas.running_jobs", fault));
+    }
+    if quotas.fit_run_s == Some(0) {
+        return Err(Error::invalid("quotas.fit_run_s", "is 0: give at least 1"));
+    }
+    match quotas.priority {
+        Some(priority) if priority > MOST_PRIORITY => {
+            let fault = format!("is {priority}: use 0..={MOST_PRIORITY}");
+            Err(Error::invalid("quotas.priority", fault))
+        }
+        _ => Ok(()),
     }
 }
 

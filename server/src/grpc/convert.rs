@@ -8,7 +8,10 @@ use bendtwin_store::{
 };
 use jiff::Timestamp;
 
-use crate::app::{Error, Result, WorkerView};
+use crate::{
+    access::{self, Scope},
+    app::{Error, Result, WorkerView},
+};
 
 pub(super) fn page(size: u32, token: String) -> PageRequest {
     PageRequest { size, token }
@@ -82,6 +85,7 @@ fn job(job: Job) -> v1::Job {
         start_time: job.started.map(time),
         end_time: job.ended.map(time),
         revision: job.revision,
+        run_s: job.run.as_secs_f64(),
     }
 }
 
@@ -261,13 +265,14 @@ pub(super) fn timestamp(time: prost_types::Timestamp) -> Result<Timestamp> {
 }
 
 pub(super) fn quotas(quotas: v1::KeyQuotas) -> Quotas {
-    let v1::KeyQuotas { queued_jobs, stored_bytes, rollouts } = quotas;
-    Quotas { queued_jobs, stored_bytes, rollouts }
+    let v1::KeyQuotas { queued_jobs, stored_bytes, rollouts, .. } = quotas;
+    let v1::KeyQuotas { running_jobs, fit_run_s, priority, .. } = quotas;
+    Quotas { queued_jobs, stored_bytes, rollouts, running_jobs, fit_run_s, priority }
 }
 
 fn quotas_message(quotas: Quotas) -> v1::KeyQuotas {
-    let Quotas { queued_jobs, stored_bytes, rollouts } = quotas;
-    v1::KeyQuotas { queued_jobs, stored_bytes, rollouts }
+    let Quotas { queued_jobs, stored_bytes, rollouts, running_jobs, fit_run_s, priority } = quotas;
+    v1::KeyQuotas { queued_jobs, stored_bytes, rollouts, running_jobs, fit_run_s, priority }
 }
 
 pub(super) fn usage(usage: OwnerUsage) -> v1::OwnerUsage {
@@ -293,6 +298,9 @@ pub(super) fn usage(usage: OwnerUsage) -> v1::OwnerUsage {
 }
 
 pub(super) fn key(key: Key) -> v1::Key {
+    let is_admin = key.scopes.iter().any(|word| word == Scope::Admin.as_str());
+    let priority = Some(access::most_priority(is_admin, key.quotas));
+    let quotas = v1::KeyQuotas { priority, ..quotas_message(key.quotas) };
     v1::Key {
         name: key.id.to_string(),
         display_name: key.display_name,
@@ -302,7 +310,7 @@ pub(super) fn key(key: Key) -> v1::Key {
         expire_time: key.expires.map(time),
         revoke_time: key.revoked.map(time),
         last_use_time: key.used.map(time),
-        quotas: Some(quotas_message(key.quotas)),
+        quotas: Some(quotas),
     }
 }
 

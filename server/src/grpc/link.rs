@@ -146,8 +146,11 @@ impl WorkerLink for Api {
         let lease = lease(&shown, &r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
         let news = News { progress, losses: convert::read_losses(r.losses)? };
-        let cancel_requested = self.app.report_job(lease, &news).await?;
-        Ok(Response::new(ReportJobResponse { cancel_requested }))
+        let reported = self.app.report_job(lease, &news).await?;
+        Ok(Response::new(ReportJobResponse {
+            cancel_requested: reported.cancel_requested,
+            make_way_within_s: reported.make_way_within.map(|within| within.as_secs_f64()),
+        }))
     }
 
     async fn save_checkpoint(

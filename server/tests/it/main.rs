@@ -5,6 +5,7 @@ mod access;
 mod captures;
 mod connections;
 mod console;
+mod fairness;
 mod fits;
 mod harness;
 mod labels;

@@ -80,6 +80,7 @@ impl Samples<'_> {
                             let is_given = value.as_str().is_some_and(|text| !text.is_empty());
                             *value = format!("given: {is_given}").into();
                         }
+                        "run_s" => *value = format!("a number: {}", value.is_f64()).into(),
                         _ => self.neutral(value),
                     }
                 }

@@ -32,8 +32,8 @@ use bendtwin_proto::{
         ExecuteEvaluateTwinResponse, ExecuteRegisterStateRequest, ExecuteRegisterStateResponse,
         ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest,
         HeartbeatResponse, JobWrite, Lease, LeaseJobRequest, ManageSessionRequest,
-        ManageSessionResponse, RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite,
-        WatchRequest, WatchResponse, complete_fit_request,
+        ManageSessionResponse, RegisterRequest, ReportJobRequest, ReportJobResponse,
+        SaveCheckpointRequest, TwinWrite, WatchRequest, WatchResponse, complete_fit_request,
         fail_job_request::End,
         lease_job_request::Kind,
         manage_session_request::Call,
@@ -225,6 +225,14 @@ impl Worker {
     }
 
     pub(crate) async fn report(&mut self, lease: &Lease, fraction: f64) -> Result<bool, Status> {
+        self.report_answered(lease, fraction).await.map(|answer| answer.cancel_requested)
+    }
+
+    pub(crate) async fn report_answered(
+        &mut self,
+        lease: &Lease,
+        fraction: f64,
+    ) -> Result<ReportJobResponse, Status> {
         let progress = Progress {
             stage: "search".into(),
             variant: "bending".into(),
@@ -241,7 +249,7 @@ impl Worker {
             progress: Some(progress),
             losses: Vec::new(),
         };
-        self.link.report_job(request).await.map(|r| r.into_inner().cancel_requested)
+        self.link.report_job(request).await.map(Response::into_inner)
     }
 
     pub(crate) async fn report_losses(

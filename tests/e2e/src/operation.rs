@@ -12,4 +12,5 @@ mod revocation;
 mod stores;
 mod tls_terminator;
 mod traces;
+mod turns;
 mod upgrades;

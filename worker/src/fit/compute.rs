@@ -123,6 +123,7 @@ impl Observer<Progress> for JobObserver {
 
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
         self.compute.checkpoints.submit(checkpoint, self.stage_ended);
+        self.compute.stop.at_checkpoint();
         Ok(())
     }
 }

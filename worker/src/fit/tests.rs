@@ -23,6 +23,21 @@ async fn the_first_reason_to_stop_counts() {
 }
 
 #[tokio::test]
+async fn a_fit_makes_way_at_a_checkpoint_while_it_is_asked_to() {
+    let stop = Stop::default();
+    stop.make_way(true);
+    stop.make_way(false);
+    stop.at_checkpoint();
+    assert_eq!(stop.reason(), None);
+    stop.make_way(true);
+    assert_eq!(stop.reason(), None);
+    stop.at_checkpoint();
+    stop.stopped().await;
+    assert_eq!(stop.reason(), Some(Reason::MakesWay));
+    assert!(stop.token().is_cancelled());
+}
+
+#[tokio::test]
 async fn a_cancelled_fit_does_not_wait_for_a_thread_that_hears_nothing() {
     let (done, thread) = oneshot::channel();
     let stop = Stop::default();

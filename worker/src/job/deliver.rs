@@ -23,7 +23,7 @@ pub(crate) enum Failure {
     Passing,
     /// A user cancelled it.
     Cancelled,
-    /// This worker ends and hands it back.
+    /// Handed back in good order.
     Released,
     /// Other work of this worker, which has to end, broke what the job needs.
     Interrupted,
@@ -55,6 +55,10 @@ impl Attempt<'_> {
             }
             Some(Reason::Drained) => {
                 tracing::info!("{work} handed back");
+                Failure::Released
+            }
+            Some(Reason::MakesWay) => {
+                tracing::info!("{work} makes way for that of another owner");
                 Failure::Released
             }
             Some(Reason::Stale) | None => {

@@ -1,5 +1,5 @@
-//! Renews a job's lease, reports progress and losses and learns of cancellation, in a separate task
-//! and often enough that a cancelled job ends within a second.
+//! Renews a job's lease, reports progress and losses, and learns of cancellation and that the job is to
+//! make way, in a separate task and often enough that a cancelled job ends within a second.
 
 use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -140,11 +140,16 @@ async fn run(job: LeasedJob, stop: Stop, latest: LatestProgress) {
         ticks.tick().await;
         let news = latest.news();
         match job.report(&news).await {
-            Ok(cancel_requested) => {
+            Ok(answer) => {
                 latest.acknowledge(&news.losses);
                 reachable = true;
-                if cancel_requested {
+                if answer.cancel_requested {
                     stop.stop(Reason::Cancelled);
+                }
+                match answer.make_way_within_s {
+                    Some(left_s) if left_s > 0.0 => stop.make_way(true),
+                    Some(_) => stop.stop(Reason::MakesWay),
+                    None => stop.make_way(false),
                 }
             }
             Err(CallError::Stale) => return stop.stop(Reason::Stale),

@@ -1,6 +1,9 @@
 //! Stopping a job: the first reason counts.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{
+    Arc, OnceLock,
+    atomic::{AtomicBool, Ordering},
+};
 
 use bendtwin_core::CancelToken;
 use tokio::task::JoinHandle;
@@ -11,10 +14,12 @@ use tokio_util::sync::CancellationToken;
 pub(crate) enum Reason {
     /// A user cancelled the job.
     Cancelled,
-    /// Another worker has the job.
+    /// The server has ended the attempt, or another worker has the job.
     Stale,
     /// This worker ends and hands the job back.
     Drained,
+    /// A job of another owner waits for this worker.
+    MakesWay,
 }
 
 /// Stop signal of a job, both for the engine's computation and for waiting tasks.
@@ -23,6 +28,7 @@ pub(crate) struct Stop {
     reason: Arc<OnceLock<Reason>>,
     token: CancelToken,
     signal: CancellationToken,
+    makes_way: Arc<AtomicBool>,
 }
 
 impl Stop {
@@ -31,6 +37,18 @@ impl Stop {
         let _ = self.reason.set(reason);
         self.token.cancel();
         self.signal.cancel();
+    }
+
+    /// Lets the job make way for another at its next checkpoint, or no longer.
+    pub(crate) fn make_way(&self, asked: bool) {
+        self.makes_way.store(asked, Ordering::Relaxed);
+    }
+
+    /// Stops the job if it is to make way: nothing that it has done so far is lost.
+    pub(crate) fn at_checkpoint(&self) {
+        if self.makes_way.load(Ordering::Relaxed) {
+            self.stop(Reason::MakesWay);
+        }
     }
 
     /// Stops the job when the worker hands its jobs back. The task waits until it is aborted.

@@ -55,6 +55,15 @@ struct Create {
     /// Most rollouts of its owner at a time
     #[arg(long, value_name = "N")]
     max_rollouts: Option<u64>,
+    /// Most fits and ingests of its owner that run at workers; others wait
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    max_running_jobs: Option<u64>,
+    /// Longest time for which a fit may run, for example 12h [default: the server's bound]
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    max_fit_run: Option<u64>,
+    /// Highest priority of its fits, up to 100 [default: 0, or 100 with the scope admin]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=100))]
+    max_priority: Option<u32>,
     /// Write the key to this file, which others cannot read, instead of printing it
     #[arg(long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -84,6 +93,9 @@ async fn create(args: Create, global: &Global) -> anyhow::Result<()> {
             queued_jobs: args.max_queued_jobs,
             stored_bytes: args.max_stored_bytes,
             rollouts: args.max_rollouts,
+            running_jobs: args.max_running_jobs,
+            fit_run_s: args.max_fit_run,
+            priority: args.max_priority,
         },
     };
     // A key that cannot be kept is not made.
@@ -114,7 +126,7 @@ async fn list(global: &Global) -> anyhow::Result<()> {
     let keys = global.connect().await?.keys().all().await?;
     let now = Timestamp::now();
     output::print(global, &keys, || {
-        let header = ["NAME", "CREATED", "LAST USE", "STATE", "OWNER", "SCOPES", "WHAT"];
+        let header = ["NAME", "CREATED", "LAST USE", "STATE", "OWNER", "SCOPES", "BOUNDS", "WHAT"];
         let mut table = Table::new(header);
         for key in &keys {
             let state = match (key.revoke_time, key.expire_time) {
@@ -130,6 +142,7 @@ async fn list(global: &Global) -> anyhow::Result<()> {
                 state,
                 key.owner.clone(),
                 key.scopes.join(","),
+                bounds(&key.quotas),
                 key.display_name.clone(),
             ]);
         }
@@ -137,12 +150,38 @@ async fn list(global: &Global) -> anyhow::Result<()> {
     })
 }
 
+/// The bounds of a key in a few words; empty if it has none, and fits of normal priority.
+fn bounds(quotas: &KeyQuotas) -> String {
+    let of = |n: Option<u64>, what: &str| n.map(|n| format!("{n} {what}"));
+    let parts = [
+        of(quotas.queued_jobs, "queued"),
+        of(quotas.running_jobs, "running"),
+        of(quotas.fit_run_s, "s a fit"),
+        of(quotas.priority.filter(|n| *n > 0).map(u64::from), "priority"),
+        of(quotas.stored_bytes, "bytes"),
+        of(quotas.rollouts, "rollouts"),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// Seconds of a span, at least one: `12h`.
+fn seconds(text: &str) -> Result<u64, Usage> {
+    let span =
+        text.parse::<Span>().and_then(|s| s.to_duration(SpanRelativeTo::days_are_24_hours()));
+    let seconds = span.ok().and_then(|span| u64::try_from(span.as_secs()).ok());
+    seconds.filter(|seconds| *seconds > 0).ok_or_else(|| no_duration(text))
+}
+
+fn no_duration(text: &str) -> Usage {
+    Usage(format!("`{text}` is not a duration: give one like 90d or 12h"))
+}
+
 /// The time after a span: `90d`, `12h`.
 fn later(text: &str) -> Result<Timestamp, Usage> {
     let time = text.parse::<Span>().and_then(|span| {
         Timestamp::now().checked_add(span.to_duration(SpanRelativeTo::days_are_24_hours())?)
     });
-    time.map_err(|_| Usage(format!("`{text}` is not a duration: give one like 90d or 12h")))
+    time.map_err(|_| no_duration(text))
 }
 
 #[cfg(test)]
@@ -159,5 +198,21 @@ mod tests {
         for wrong in ["", "soon", "1y", "99999999d"] {
             assert!(later(wrong).is_err(), "{wrong}");
         }
+        assert_eq!((seconds("12h").unwrap(), seconds("2 days").unwrap()), (43_200, 172_800));
+        for wrong in ["", "soon", "0s", "-1h", "10ms"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn bounds_are_listed_in_words() {
+        let quotas = KeyQuotas {
+            running_jobs: Some(2),
+            fit_run_s: Some(3600),
+            priority: Some(50),
+            ..KeyQuotas::default()
+        };
+        assert_eq!(bounds(&quotas), "2 running, 3600 s a fit, 50 priority");
+        assert_eq!(bounds(&KeyQuotas { priority: Some(0), ..KeyQuotas::default() }), "");
     }
 }

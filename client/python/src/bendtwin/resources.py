@@ -128,6 +128,8 @@ class Job(FromMessage):
     end_time: datetime | None = None
     #: Number that grows with every change, also from one run of an ingest to the next.
     revision: int = 0
+    #: Time for which it has run at workers, over all attempts, as of the last report [s].
+    run_s: float = 0.0
 
 
 @dataclass(frozen=True)

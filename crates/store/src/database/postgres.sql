@@ -1,7 +1,7 @@
 -- What PostgreSQL has beside the common tables. Run at every start: each statement may be repeated.
 
--- Wakes whoever waits for a job, on every server, in the transaction that queues one or that ends an
--- ingest, which sets fits free.
+-- Wakes whoever waits for a job, on every server, in the transaction that queues one or that ends one: the
+-- end of an ingest sets fits free, and that of any job may bring its owner below a bound.
 create or replace function bendtwin_wake() returns trigger language plpgsql as $$
 begin
     perform pg_notify('bendtwin_queue', new.kind);
@@ -9,8 +9,7 @@ begin
 end
 $$;
 create or replace trigger bendtwin_wake after insert or update of state on jobs for each row
-    when (new.state = 'queued'
-        or (new.kind = 'ingest' and new.state in ('succeeded', 'failed', 'cancelled')))
+    when (new.state in ('queued', 'succeeded', 'failed', 'cancelled'))
     execute function bendtwin_wake();
 
 -- Tells every server of changed jobs, for those who watch them.

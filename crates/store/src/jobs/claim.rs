@@ -4,7 +4,8 @@
 //! the kind is served, then the one that was served longest ago, so that owners take turns however
 //! many jobs each has queued. Of an owner's jobs the one that is due first is taken: ingests of
 //! small captures are due before those of large ones, which wait no longer for that than they take
-//! themselves.
+//! themselves. Owners that have as many jobs running as the key allows with which their next job was
+//! created are passed over.
 
 use std::time::Duration;
 
@@ -22,11 +23,12 @@ use crate::{
 /// the end of the lease $3, the kind $4.
 const CLAIM: &str = "update jobs set state = 'running', worker = $1,
          lease_epoch = lease_epoch + 1, lease_until = $3, attempts = attempts + 1,
-         stalled = stalled + 1, started_at = coalesce(started_at, $2), revision = revision + 1
+         stalled = stalled + 1, fruitless = fruitless + 1, slice_us = 0, idle_us = 0,
+         started_at = coalesce(started_at, $2), served_at = $2, revision = revision + 1
      where id = (with recursive allowed (requirements) as (values ";
-/// The rest of it. Each owner's jobs of equal requirements are a queue, found in an index after the
-/// one before; its first job is the first whose capture has been read.
-const OF_QUEUES: &str = "),
+/// Then the queues. Each owner's jobs of equal requirements are one, found in an index after the one
+/// before; its first job is the first whose capture has been read.
+pub(super) const QUEUES: &str = "),
          queues (requirements, owner) as (
              select requirements, (select owner from jobs
                  where state = 'queued' and kind = $4 and requirements = allowed.requirements
@@ -47,12 +49,20 @@ const OF_QUEUES: &str = "),
                              and i.kind = 'ingest' and i.state in ('queued', 'running')))
                  order by kind, requirements, owner, priority desc, due_at, id limit 1), owner
              from queues where owner is not null)
-         select id from firsts where id is not null
+         ";
+/// Condition on the first job of a queue: that its owner may have one more job running.
+pub(super) const HAS_ROOM: &str = "(select count(*) from jobs as b
+                 where b.state = 'running' and b.kind in ('fit', 'ingest') and b.owner = firsts.owner)
+             < coalesce((select max_running from jobs as f where f.id = firsts.id), 9223372036854775807)";
+/// The rest of the claim.
+const CHOICE: &str = "
          order by (select priority from jobs as f where f.id = firsts.id) desc,
              (select count(*) from jobs as r
                  where r.state = 'running' and r.kind = $4 and r.owner = firsts.owner),
-             coalesce((select max(s.started_at) from jobs as s
-                 where s.kind = $4 and s.owner = firsts.owner), 0),
+             coalesce((select max(s.served_at) from jobs as s
+                     where s.kind = $4 and s.owner = firsts.owner),
+                 (select max(s.started_at) from jobs as s
+                     where s.kind = $4 and s.owner = firsts.owner), 0),
              (select due_at from jobs as f where f.id = firsts.id), id
          limit 1)
      returning *";
@@ -86,11 +96,17 @@ pub(crate) fn statement(
 ) -> Query {
     let mut sql = Builder::new(CLAIM);
     sql.bind(worker.uuid().to_string()).bind(now).bind(lease_until).bind(kind.as_str());
+    push_allowed(&mut sql, allowed);
+    sql.push(QUEUES).push("select id from firsts where id is not null and ").push(HAS_ROOM);
+    sql.push(CHOICE);
+    sql.build()
+}
+
+/// Adds requirements as rows of values.
+pub(super) fn push_allowed(sql: &mut Builder, allowed: &[String]) {
     for (nth, requirements) in allowed.iter().enumerate() {
         sql.push(if nth == 0 { "(" } else { ", (" }).push_bind(requirements).push(")");
     }
-    sql.push(OF_QUEUES);
-    sql.build()
 }
 
 impl Jobs<'_> {
@@ -105,9 +121,10 @@ impl Jobs<'_> {
         claimant: impl Into<Claimant>,
         lease: Duration,
     ) -> Result<Option<Job>> {
-        let Claimant { worker, capabilities } = claimant.into();
+        let claimant = claimant.into();
+        let worker = claimant.worker;
         let mut tx = self.store.inner.database.write().await?;
-        let allowed = allowed(&mut tx, kind, &capabilities).await?;
+        let allowed = allowed(&mut tx, kind, &claimant.capabilities).await?;
         if allowed.is_empty() {
             return Ok(None);
         }
@@ -155,7 +172,7 @@ impl Jobs<'_> {
 
 /// Requirements of queued jobs that a worker satisfies, as their texts. Jobs with others than this
 /// version knows are left to servers of the newer version that made them.
-async fn allowed(
+pub(super) async fn allowed(
     tx: &mut Transaction,
     kind: Kind,
     capabilities: &Capabilities,

@@ -157,6 +157,8 @@ impl Jobs<'_> {
         let stalled_out = row.stalled >= i64::from(MAX_STALLED_ATTEMPTS);
         let cancelling = row.cancel_requested;
         let (mut counted, mut interrupted) = (1, row.interrupted);
+        let made_way = row.yield_us.is_some() && end == AttemptEnd::Released;
+        let fruitless = if made_way { row.fruitless } else { (row.fruitless - 1).max(0) };
         let end = match end {
             AttemptEnd::Interrupted(_) if interrupted < i64::from(MAX_INTERRUPTED_ATTEMPTS) => {
                 interrupted += 1;
@@ -183,6 +185,7 @@ impl Jobs<'_> {
         let updated: Row = query(
             "update jobs set state = $2, fault = $3, attempt_faults = $4, attempts = $5,
                  stalled = $6, ended_at = $7, checkpoint = $8, interrupted = $9,
+                 fruitless = $10, served_at = coalesce($11, served_at), yield_us = null,
                  lease_until = null, worker = null,
                  revision = revision + 1
              where id = $1 returning *",
@@ -196,6 +199,8 @@ impl Jobs<'_> {
         .bind(ended.then(|| self.store.now_micros()))
         .bind(row.checkpoint.filter(|_| !ended))
         .bind(interrupted)
+        .bind(fruitless)
+        .bind(made_way.then(|| self.store.now_micros()))
         .fetch_one(&mut *tx)
         .await?;
         updated.try_into()

@@ -96,9 +96,9 @@ impl Jobs<'_> {
         let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
                  request_id, created_at, fault, ended_at, display_name, first_name, name_key,
-                 search_text, due_at, owner, requirements)
+                 search_text, due_at, owner, requirements, max_running, max_run_s)
              values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $8, $15,
-                 $16)
+                 $16, $17, $18)
              returning *",
         )
         .bind(FitId::generate().uuid().to_string())
@@ -117,6 +117,8 @@ impl Jobs<'_> {
         .bind(labels::search_text(name, ""))
         .bind(new.creator.owner)
         .bind(requirements)
+        .bind(new.creator.quotas.running_jobs.map(quotas::as_integer))
+        .bind(new.creator.quotas.fit_run_s.map(quotas::as_integer))
         .fetch_one(&mut tx)
         .await?;
         self.store.pass(Failpoint::BeforeCommit)?;

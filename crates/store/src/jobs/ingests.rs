@@ -72,12 +72,14 @@ pub enum IngestOutcome {
     Refused(AttemptEnd),
 }
 
-/// Origin of a job: its owner, the W3C traceparent of the call, and the worker that it asks for.
+/// Origin of a job: its owner, the W3C traceparent of the call, the worker that it asks for, and how
+/// many jobs of its owner may run beside it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JobOrigin<'a> {
     pub(crate) owner: &'a str,
     pub(crate) trace_parent: Option<&'a str>,
     pub(crate) requirements: &'a str,
+    pub(crate) max_running: Option<u64>,
 }
 
 /// Refuses an ingest whose requirements would exceed the number of kinds that a claim checks.
@@ -96,8 +98,8 @@ pub(crate) async fn enqueue(
     let due = due(tx, capture, now).await?;
     let row: Row = query(
         "insert into jobs (id, kind, capture, state, priority, settings, created_at, due_at,
-             owner, trace_parent, requirements)
-         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8) returning *",
+             owner, trace_parent, requirements, max_running)
+         values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8, $9) returning *",
     )
     .bind(IngestId::generate().uuid().to_string())
     .bind(capture)
@@ -107,6 +109,7 @@ pub(crate) async fn enqueue(
     .bind(asked.owner)
     .bind(asked.trace_parent)
     .bind(asked.requirements)
+    .bind(asked.max_running.map(quotas::as_integer))
     .fetch_one(&mut *tx)
     .await?;
     row.try_into()
@@ -219,8 +222,8 @@ impl Jobs<'_> {
         let request_id = request_ids::text_in(request, &mut tx, "jobs").await?;
         let row: Row = query(
             "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
-                 request_id, created_at, revision, due_at, owner, requirements)
-             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8, $9, $10)
+                 request_id, created_at, revision, due_at, owner, requirements, max_running)
+             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7, $8, $9, $10, $11)
              returning *",
         )
         .bind(IngestId::generate().uuid().to_string())
@@ -233,6 +236,7 @@ impl Jobs<'_> {
         .bind(due)
         .bind(new.creator.owner)
         .bind(requirements)
+        .bind(new.creator.quotas.running_jobs.map(quotas::as_integer))
         .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;

@@ -5,8 +5,9 @@ use std::time::Duration;
 use bendtwin_core::{ModelLoss, Progress, ids::WorkerId};
 
 use super::{
-    Job, JobId, Jobs, losses,
+    Job, JobId, Jobs, Turns, losses,
     row::{self, Row},
+    turns::{self, Way, as_micros},
 };
 use crate::{Content, Digest, Error, Result, Staged, failpoint::Failpoint, sql::query};
 
@@ -44,11 +45,13 @@ pub struct JobReport<'a> {
     pub progress: Option<&'a Progress>,
     /// Losses since the last report, of a fit.
     pub losses: &'a [ModelLoss],
+    /// How it shares its worker; none: it does not.
+    pub turns: Option<Turns<'a>>,
 }
 
 impl<'a> From<Option<&'a Progress>> for JobReport<'a> {
     fn from(progress: Option<&'a Progress>) -> Self {
-        Self { progress, losses: &[] }
+        Self { progress, ..Self::default() }
     }
 }
 
@@ -57,6 +60,22 @@ impl<'a> From<Option<&'a Progress>> for JobReport<'a> {
 pub struct Reported {
     /// True if the job has been asked to stop.
     pub cancel_requested: bool,
+    /// Time until the job is to be handed back, if another owner's waits for its worker: at the next
+    /// checkpoint, or then without one.
+    pub make_way_within: Option<Duration>,
+    /// Times of the job.
+    pub times: JobTimes,
+}
+
+/// Times of a running job at its worker, by lease time ([`Store::lease_time`](crate::Store::lease_time)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct JobTimes {
+    /// Since its first claim, over all attempts.
+    pub run: Duration,
+    /// Since its progress or its checkpoint last changed, or since its last claim.
+    pub idle: Duration,
+    /// Bound on `run` of the key that created it, if there is one.
+    pub most_run: Option<Duration>,
 }
 
 impl Jobs<'_> {
@@ -84,7 +103,7 @@ impl Jobs<'_> {
         }
     }
 
-    /// Renews the lease and stores progress and losses, if any.
+    /// Renews the lease, stores progress and losses, if any, and adds to the times of the job.
     ///
     /// # Errors
     /// [`Error::StaleLease`].
@@ -94,32 +113,55 @@ impl Jobs<'_> {
         report: impl Into<JobReport<'r>>,
         renew: Duration,
     ) -> Result<Reported> {
-        let JobReport { progress, losses } = report.into();
+        let JobReport { progress, losses, turns } = report.into();
         let mut tx = self.store.inner.database.write().await?;
         let until = self.store.lease_until(&tx, renew);
         let row = row::fetch_leased(&mut tx, lease).await?;
-        self.renew(lease, renew);
+        let passed = as_micros(self.renew(lease, renew));
         losses::record(&mut tx, &row, losses).await?;
-        let key = lease.job.uuid().to_string();
-        let Some(progress) = progress else {
-            query("update jobs set lease_until = $2 where id = $1")
-                .bind(key)
-                .bind(until)
-                .execute(&mut tx)
-                .await?;
+        let json = progress.map(serde_json::to_string).transpose();
+        let json = json.map_err(|e| Error::Io(std::io::Error::other(e.to_string())))?;
+        let moves = json.is_some() && json != row.progress;
+        let (run_us, slice_us) = (row.run_us + passed, row.slice_us + passed);
+        let idle_us = if moves { 0 } else { row.idle_us + passed };
+        let way = match turns {
+            Some(turns) => turns::way(&mut tx, &row, slice_us, turns).await?,
+            None => Way { asked_us: row.yield_us, within: None },
+        };
+        let micros = |us: i64| Duration::from_micros(us.max(0) as u64);
+        let reported = Reported {
+            cancel_requested: row.cancel_requested,
+            make_way_within: way.within,
+            times: JobTimes {
+                run: micros(run_us),
+                idle: micros(idle_us),
+                most_run: row.max_run_s.map(|s| Duration::from_secs(s.max(0) as u64)),
+            },
+        };
+        query(
+            "update jobs set lease_until = $2, run_us = $3, slice_us = $4, idle_us = $5,
+                 yield_us = $6
+             where id = $1",
+        )
+        .bind(&row.id)
+        .bind(until)
+        .bind(run_us)
+        .bind(slice_us)
+        .bind(idle_us)
+        .bind(way.asked_us)
+        .execute(&mut tx)
+        .await?;
+        let (Some(progress), Some(json)) = (progress, json) else {
             tx.commit().await?;
-            return Ok(Reported { cancel_requested: row.cancel_requested });
+            return Ok(reported);
         };
         let further = progress.fraction > row.furthest;
-        let json = serde_json::to_string(progress)
-            .map_err(|e| Error::Io(std::io::Error::other(e.to_string())))?;
         let row: Row = query(
-            "update jobs set lease_until = $2, progress = $3, furthest = $4, stalled = $5,
-                 interrupted = $6, revision = revision + 1
+            "update jobs set progress = $2, furthest = $3, stalled = $4, interrupted = $5,
+                 revision = revision + 1
              where id = $1 returning *",
         )
-        .bind(key)
-        .bind(until)
+        .bind(&row.id)
         .bind(json)
         .bind(if further { progress.fraction } else { row.furthest })
         .bind(if further { 0 } else { row.stalled })
@@ -127,9 +169,8 @@ impl Jobs<'_> {
         .fetch_one(&mut tx)
         .await?;
         tx.commit().await?;
-        let job = Job::try_from(row)?;
-        self.changed(&job);
-        Ok(Reported { cancel_requested: job.cancel_requested })
+        self.changed(&Job::try_from(row)?);
+        Ok(reported)
     }
 
     /// Makes this content the job's checkpoint, and renews the lease.
@@ -147,11 +188,12 @@ impl Jobs<'_> {
         let stored: Result<Option<String>> = async {
             let mut tx = self.store.inner.database.write().await?;
             let row = row::fetch_leased(&mut tx, lease).await?;
-            self.renew(lease, renew);
+            let passed = as_micros(self.renew(lease, renew));
             let newer = row.checkpoint.as_deref() != Some(digest.as_str());
             query(
                 "update jobs set checkpoint = $2, lease_until = $3, stalled = $4, interrupted = $5,
-                     checkpoint_bytes = $6
+                     fruitless = $6, run_us = $7, slice_us = $8, idle_us = $9,
+                     checkpoint_bytes = $10
                  where id = $1",
             )
             .bind(lease.job.uuid().to_string())
@@ -159,6 +201,10 @@ impl Jobs<'_> {
             .bind(self.store.lease_until(&tx, renew))
             .bind(if newer { 0 } else { row.stalled })
             .bind(if newer { 0 } else { row.interrupted })
+            .bind(if newer { 0 } else { row.fruitless })
+            .bind(row.run_us + passed)
+            .bind(row.slice_us + passed)
+            .bind(if newer { 0 } else { row.idle_us + passed })
             .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
             .execute(&mut tx)
             .await?;
@@ -213,8 +259,9 @@ impl Jobs<'_> {
     }
 
     /// Within the transaction that says the same to the database, so that no sweep comes between.
-    pub(super) fn renew(&self, lease: Lease, time: Duration) {
+    /// Returns the time since the last renewal ([`LeaseTimes::renew`](super::LeaseTimes)).
+    pub(super) fn renew(&self, lease: Lease, time: Duration) -> Duration {
         let monotonic = self.store.inner.clock.monotonic();
-        self.store.inner.leases.renew(lease.job, lease.epoch, monotonic, time);
+        self.store.inner.leases.renew(lease.job, lease.epoch, monotonic, time)
     }
 }

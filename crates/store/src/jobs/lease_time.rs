@@ -49,6 +49,8 @@ struct End {
     at: Duration,
     /// Renewal that the last sweep found.
     renewal: Option<i64>,
+    /// Time of the last renewal in this process, if there was one.
+    renewed: Option<Duration>,
 }
 
 /// A running job, as a sweep finds it in the database.
@@ -73,13 +75,23 @@ impl LeaseTimes {
         self.lock().now(monotonic)
     }
 
-    /// Begins or renews a lease.
-    pub(super) fn renew(&self, job: JobId, epoch: u64, monotonic: Duration, lease: Duration) {
+    /// Begins or renews a lease. Returns the time since the renewal before it: zero if there was
+    /// none in this process, and at most a lease, because another server may have renewed it since.
+    pub(super) fn renew(
+        &self,
+        job: JobId,
+        epoch: u64,
+        monotonic: Duration,
+        lease: Duration,
+    ) -> Duration {
         let mut state = self.lock();
-        let at = state.now(monotonic).saturating_add(lease);
+        let now = state.now(monotonic);
         let known = state.ends.get(&job).filter(|end| end.epoch == epoch);
         let renewal = known.and_then(|end| end.renewal);
-        state.ends.insert(job, End { epoch, at, renewal });
+        let before = known.and_then(|end| end.renewed);
+        let at = now.saturating_add(lease);
+        state.ends.insert(job, End { epoch, at, renewal, renewed: Some(now) });
+        before.map_or(Duration::ZERO, |before| now.saturating_sub(before)).min(lease)
     }
 
     /// Lets time pass up to now, given the leases that run: those not known yet begin, others are
@@ -106,7 +118,8 @@ impl LeaseTimes {
             if at < now {
                 expired.push(job);
             }
-            state.ends.insert(job, End { epoch, at, renewal });
+            let renewed_here = known.and_then(|end| end.renewed);
+            state.ends.insert(job, End { epoch, at, renewal, renewed: renewed_here });
         }
         expired
     }

@@ -1,5 +1,7 @@
 //! A row of `jobs` and its decoding.
 
+use std::time::Duration;
+
 use bendtwin_core::Progress;
 
 use uuid::Uuid;
@@ -57,7 +59,7 @@ row! {
         kind: String,
         pub(super) capture: String,
         state: String,
-        priority: i64,
+        pub(super) priority: i64,
         settings: String,
         pub(super) attempts: i64,
         pub(super) stalled: i64,
@@ -66,7 +68,7 @@ row! {
         pub(super) lease_epoch: i64,
         pub(super) lease_until: Option<i64>,
         pub(super) worker: Option<String>,
-        progress: Option<String>,
+        pub(super) progress: Option<String>,
         pub(super) checkpoint: Option<String>,
         pub(super) cancel_requested: bool,
         pub(super) twin: Option<String>,
@@ -87,12 +89,22 @@ row! {
         pub(super) loss_stride: i64,
         pub(super) owner: String,
         requirements: String,
+        pub(super) run_us: i64,
+        pub(super) slice_us: i64,
+        pub(super) idle_us: i64,
+        pub(super) yield_us: Option<i64>,
+        pub(super) fruitless: i64,
+        pub(super) max_run_s: Option<i64>,
     }
 }
 
 impl Row {
     pub(super) fn state(&self) -> Result<State> {
         State::parse(&self.state).ok_or_else(|| self.corrupt("state"))
+    }
+
+    pub(super) fn kind(&self) -> Result<Kind> {
+        Kind::parse(&self.kind).ok_or_else(|| self.corrupt("kind"))
     }
 
     /// The fencing number.
@@ -130,7 +142,7 @@ impl TryFrom<Row> for Job {
     type Error = Error;
     fn try_from(row: Row) -> Result<Self> {
         let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| row.corrupt("an id"));
-        let kind = Kind::parse(&row.kind).ok_or_else(|| row.corrupt("kind"))?;
+        let kind = row.kind()?;
         let state = row.state()?;
         let mut progress: Option<Progress> = row.json(&row.progress)?;
         if state == State::Succeeded {
@@ -166,6 +178,7 @@ impl TryFrom<Row> for Job {
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
             error_m: labels::error_of(row.error_m),
             owner: row.owner,
+            run: Duration::from_micros(row.run_us.max(0) as u64),
             settings: row.settings,
             trace_parent: row.trace_parent,
             request_id: row.request_id.as_deref().map(request_ids::given).map(str::to_owned),

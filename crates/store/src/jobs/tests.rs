@@ -2,6 +2,7 @@ mod claims;
 mod ingests;
 mod lease_time;
 mod model;
+mod turns;
 
 use std::time::Duration;
 

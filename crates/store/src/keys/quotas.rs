@@ -23,6 +23,12 @@ pub struct Quotas {
     pub stored_bytes: Option<u64>,
     /// Rollouts, plans, registrations and evaluations under way at one server.
     pub rollouts: Option<u64>,
+    /// Jobs that run at workers: claims pass over the owner's others.
+    pub running_jobs: Option<u64>,
+    /// Time for which one fit may run, over all attempts [s].
+    pub fit_run_s: Option<u64>,
+    /// Highest priority of a fit. The meaning of `None` is for others to decide.
+    pub priority: Option<u32>,
 }
 
 impl Quotas {
@@ -33,6 +39,9 @@ impl Quotas {
             queued_jobs: self.queued_jobs.or(defaults.queued_jobs),
             stored_bytes: self.stored_bytes.or(defaults.stored_bytes),
             rollouts: self.rollouts.or(defaults.rollouts),
+            running_jobs: self.running_jobs.or(defaults.running_jobs),
+            fit_run_s: self.fit_run_s.or(defaults.fit_run_s),
+            priority: self.priority.or(defaults.priority),
         }
     }
 
@@ -44,6 +53,10 @@ impl Quotas {
             queued_jobs: widest(self.queued_jobs, other.queued_jobs),
             stored_bytes: widest(self.stored_bytes, other.stored_bytes),
             rollouts: widest(self.rollouts, other.rollouts),
+            running_jobs: widest(self.running_jobs, other.running_jobs),
+            fit_run_s: widest(self.fit_run_s, other.fit_run_s),
+            // Without a bound it is that of the scopes, which differs.
+            priority: self.priority.max(other.priority),
         }
     }
 }
@@ -77,6 +90,11 @@ impl More {
 /// Bytes that a resumable upload under way counts for, in SQL.
 pub(crate) const UPLOAD_BYTES: &str = "case when length_bytes is not null then length_bytes
      when reserved_bytes > offset_bytes then reserved_bytes else offset_bytes end";
+
+/// A bound as the database has it.
+pub(crate) fn as_integer(bound: u64) -> i64 {
+    i64::try_from(bound).unwrap_or(i64::MAX)
+}
 
 /// Refuses more than an owner may have.
 pub(crate) async fn require(tx: &mut Transaction, creator: &Creator, more: More) -> Result<()> {

@@ -17,6 +17,7 @@ fn details(seed: u64, capture: CaptureId, track_mm: f64, loss: f64) -> Details {
         create_time: "2026-01-01T00:00:00Z".parse().unwrap(),
         start_time: None,
         end_time: None,
+        run_s: 0.0,
         revision: 1,
     };
     let fit = Fit {

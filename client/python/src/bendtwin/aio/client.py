@@ -33,6 +33,7 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
+    OwnerUsage,
     Project,
     Requirements,
     TwinInfo,
@@ -454,6 +455,16 @@ class Client:
     async def delete_project(self, name: str) -> None:
         """Deletes a project. Its members keep what they have, and no longer share it."""
         await self._caller.run(calls.delete_project(name))
+
+    # Usage
+
+    async def usage(self) -> OwnerUsage:
+        """What is stored for the owner of the key that is used, its jobs, and its quotas."""
+        return await self._caller.run(calls.get_usage())
+
+    def owner_usage(self) -> AsyncIterator[OwnerUsage]:
+        """The same of all owners, by name; it takes the scope `admin`."""
+        return self._caller.pages(calls.list_owner_usage())
 
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)

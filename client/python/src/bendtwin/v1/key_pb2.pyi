@@ -33,14 +33,20 @@ class Key(_message.Message):
     def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., owner: _Optional[str] = ..., scopes: _Optional[_Iterable[str]] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., expire_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revoke_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., last_use_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., quotas: _Optional[_Union[KeyQuotas, _Mapping]] = ...) -> None: ...
 
 class KeyQuotas(_message.Message):
-    __slots__ = ("queued_jobs", "stored_bytes", "rollouts")
+    __slots__ = ("queued_jobs", "stored_bytes", "rollouts", "running_jobs", "fit_run_s", "priority")
     QUEUED_JOBS_FIELD_NUMBER: _ClassVar[int]
     STORED_BYTES_FIELD_NUMBER: _ClassVar[int]
     ROLLOUTS_FIELD_NUMBER: _ClassVar[int]
+    RUNNING_JOBS_FIELD_NUMBER: _ClassVar[int]
+    FIT_RUN_S_FIELD_NUMBER: _ClassVar[int]
+    PRIORITY_FIELD_NUMBER: _ClassVar[int]
     queued_jobs: int
     stored_bytes: int
     rollouts: int
-    def __init__(self, queued_jobs: _Optional[int] = ..., stored_bytes: _Optional[int] = ..., rollouts: _Optional[int] = ...) -> None: ...
+    running_jobs: int
+    fit_run_s: int
+    priority: int
+    def __init__(self, queued_jobs: _Optional[int] = ..., stored_bytes: _Optional[int] = ..., rollouts: _Optional[int] = ..., running_jobs: _Optional[int] = ..., fit_run_s: _Optional[int] = ..., priority: _Optional[int] = ...) -> None: ...
 
 class CreateKeyRequest(_message.Message):
     __slots__ = ("display_name", "owner", "scopes", "expire_time", "quotas")

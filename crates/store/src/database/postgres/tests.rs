@@ -127,9 +127,11 @@ async fn a_claim_among_twenty_thousand_reads_the_first_of_an_index() {
         let allowed = [String::new(), r#"{"backend":"cuda"}"#.to_owned()];
         crate::jobs::claim_statement(Kind::Fit, WorkerId::generate(), (1, 2), &allowed)
     };
+    let waiting = || crate::jobs::waiting_statement("ada", 0, true, &[String::new()]);
     let check = async |when: &str| {
         let different = query(crate::jobs::DIFFERENT_REQUIREMENTS).bind(Kind::Fit.as_str());
-        let plan = plan(&bench, different).await + &plan(&bench, claim()).await;
+        let claims = plan(&bench, different).await + &plan(&bench, claim()).await;
+        let plan = claims + &plan(&bench, waiting()).await;
         assert!(
             plan.contains("jobs_by_queue") && !plan.contains("Seq Scan on jobs"),
             "{when}: {plan}"

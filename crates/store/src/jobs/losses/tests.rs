@@ -24,7 +24,7 @@ fn refined(iterations: impl IntoIterator<Item = u32>) -> Vec<ModelLoss> {
 }
 
 async fn report(bench: &Bench, lease: Lease, losses: &[ModelLoss]) -> Result<()> {
-    let report = JobReport { progress: None, losses };
+    let report = JobReport { losses, ..JobReport::default() };
     bench.store.jobs().report(lease, report, LEASE).await.map(drop)
 }
 

@@ -109,7 +109,7 @@ async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
     let last = queue(&bench, &capture, "", 0).await;
     let claim_with = async |capabilities: &Capabilities| {
         let claimant =
-            Claimant { worker: WorkerId::generate(), capabilities: capabilities.clone() };
+            Claimant { capabilities: capabilities.clone(), ..Claimant::from(WorkerId::generate()) };
         bench.store.jobs().claim(Kind::Fit, claimant, LEASE).await.unwrap().map(|job| job.id)
     };
     let plain = Capabilities {
@@ -137,7 +137,7 @@ async fn a_fit_of_a_newer_version_waits_for_workers_and_servers_that_know_it(on:
     let fit = bench.store.jobs().create_fit(fit).await.unwrap();
     let claim_with = async |version: Option<Version>| {
         let capabilities = Capabilities { version, ..Capabilities::default() };
-        let claimant = Claimant { worker: WorkerId::generate(), capabilities };
+        let claimant = Claimant { capabilities, ..Claimant::from(WorkerId::generate()) };
         bench.store.jobs().claim(Kind::Fit, claimant, LEASE).await.unwrap().map(|job| job.id)
     };
     for older in [None, Some(Version::new(0, 9, 3))] {
@@ -165,7 +165,7 @@ async fn an_ingest_waits_for_a_worker_that_it_asks_for(on: On) {
     let capture = bench.store.captures().create(new).await.unwrap();
     let claim_with = async |of_worker: &[&str]| {
         let capabilities = Capabilities { labels: labels(of_worker), ..Capabilities::default() };
-        let claimant = Claimant { worker: WorkerId::generate(), capabilities };
+        let claimant = Claimant { capabilities, ..Claimant::from(WorkerId::generate()) };
         bench.store.jobs().claim(Kind::Ingest, claimant, LEASE).await.unwrap()
     };
     assert!(claim_with(&[]).await.is_none());
@@ -224,7 +224,8 @@ async fn the_queue_has_a_bounded_number_of_different_requirements(on: On) {
 async fn a_claim_reads_indexes_of_what_waits_and_of_what_runs() {
     let bench = Bench::new(On::Sqlite).await;
     let allowed = [String::new()];
-    let claim = crate::jobs::claim_statement(Kind::Fit, WorkerId::generate(), (1, 2), &allowed);
+    let worker = WorkerId::generate();
+    let claim = crate::jobs::claim_statement(Kind::Fit, worker, (1, 2), &allowed);
     let steps: Vec<(i64, i64, i64, String)> = claim
         .explained("explain query plan")
         .fetch_all(bench.store.inner.database.read())
