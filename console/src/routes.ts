@@ -22,6 +22,7 @@ export const ROUTES: readonly Route[] = [
   { path: '/twins/compare', open: () => import('./pages/twins/compare') },
   { path: '/twins/:id', open: () => import('./pages/twins/detail') },
   { path: '/upload', open: () => import('./pages/upload/page') },
+  { path: '/trash', open: () => import('./pages/trash') },
   { path: '/workers', open: () => import('./pages/workers') },
   { path: '/login', open: () => import('./pages/login') },
   { path: '/twins/:id/view', open: () => import('./play/view_page') },

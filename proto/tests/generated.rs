@@ -22,7 +22,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use contract::Contract;
 
-const FILES: [&str; 17] = [
+const FILES: [&str; 19] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -30,6 +30,8 @@ const FILES: [&str; 17] = [
     "bendtwin/v1/job.proto",
     "bendtwin/v1/fit.proto",
     "bendtwin/v1/twin.proto",
+    "bendtwin/v1/trash.proto",
+    "bendtwin/v1/retention.proto",
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/key.proto",
     "bendtwin/v1/project.proto",

@@ -4,7 +4,6 @@
 //! the same words.
 
 mod captures;
-mod disk;
 mod fits;
 mod geometry;
 mod ingests;
@@ -18,6 +17,7 @@ mod renewed;
 mod requirements;
 mod rights;
 mod simulation;
+mod storage;
 mod sweeps;
 mod twins;
 mod uploads;
@@ -33,6 +33,7 @@ use bendtwin_core::{
 use bendtwin_play::Plays;
 use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
+use tokio::sync::Notify;
 use tokio_util::sync::{CancellationToken, WaitForCancellationFutureOwned};
 
 use crate::{
@@ -90,6 +91,8 @@ pub(crate) struct Inner {
     plays: Plays,
     members: Members,
     known_usage: KnownUsage,
+    /// Notified when the disk may be short of space that the trash has.
+    room_wanted: Notify,
     /// Cancelled when the server begins to stop: streams end then.
     stopping: CancellationToken,
     certificates: Certificates,
@@ -124,6 +127,7 @@ impl App {
             id: ServerId::generate(),
             members: Members::default(),
             known_usage: KnownUsage::default(),
+            room_wanted: Notify::new(),
             dispatch,
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone(), options.quotas.to_store()),

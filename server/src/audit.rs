@@ -26,6 +26,21 @@ pub(crate) fn changed<T>(method: &'static str, resource: impl Display, done: &Re
     );
 }
 
+/// Notes a change that the server made by itself, and why.
+pub(crate) fn by_server(method: &'static str, resource: impl Display, why: &str) {
+    tracing::info!(
+        target: "audit",
+        key = "",
+        owner = "",
+        method,
+        %resource,
+        result = "OK",
+        request_id = "",
+        why,
+        "change"
+    );
+}
+
 /// Records a refused call, and the number of refusals since the last record.
 pub(crate) fn refused(caller: &Caller, call: &str, reason: &str, times: u64) {
     tracing::info!(
@@ -78,7 +93,8 @@ mod tests {
     fn what_the_contract_has_audited_is_audited() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/app");
         let mut audited = BTreeSet::new();
-        for file in std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()) {
+        let files = |folder| std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+        for file in files(folder.clone()).chain(files(folder.join("storage"))) {
             let Ok(source) = std::fs::read_to_string(file) else { continue };
             for call in source.split("audit::").skip(1) {
                 let call = call.strip_prefix("changed(").or_else(|| call.strip_prefix("made("));

@@ -12,10 +12,12 @@ mod link;
 mod plans;
 mod projects;
 mod registrations;
+mod retention;
 mod rollouts;
 mod screened;
 mod sessions;
 mod token;
+mod trash;
 mod twins;
 mod upload;
 mod usage;
@@ -31,9 +33,10 @@ use bendtwin_proto::{
         key_service_server::KeyServiceServer, planning_service_server::PlanningServiceServer,
         project_service_server::ProjectServiceServer,
         registration_service_server::RegistrationServiceServer,
+        retention_service_server::RetentionServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
-        twin_service_server::TwinServiceServer, usage_service_server::UsageServiceServer,
-        worker_service_server::WorkerServiceServer,
+        trash_service_server::TrashServiceServer, twin_service_server::TwinServiceServer,
+        usage_service_server::UsageServiceServer, worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -96,6 +99,8 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<KeyServiceServer<Api>>()
         .with::<ProjectServiceServer<Api>>()
         .with::<UsageServiceServer<Api>>()
+        .with::<TrashServiceServer<Api>>()
+        .with::<RetentionServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -114,6 +119,8 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(ProjectServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(UsageServiceServer::new(api.clone()))
+        .add_service(TrashServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(RetentionServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),

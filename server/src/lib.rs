@@ -40,7 +40,8 @@ pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, maintenance};
 #[doc(hidden)]
 pub use http::uploads::read_upload_headers;
 pub use options::{
-    ClientTokenPolicy, DefaultQuotas, Limits, Options, Queue, Tls, WorkerPolicy, WorkerTls,
+    ClientTokenPolicy, DefaultQuotas, Limits, Options, Queue, RetentionRule, Tls, WorkerPolicy,
+    WorkerTls,
 };
 pub use refusal::http_status;
 pub use service::{Handle, Service, StartError};

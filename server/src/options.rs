@@ -2,16 +2,18 @@
 //! [`Options::validate`] reports all faults together.
 
 mod queue;
+mod retention;
 mod tls;
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_contract::rollout;
-use bendtwin_store::{DatabaseUrl, ObjectsUrl, Quotas};
+use bendtwin_store::{DatabaseUrl, NewRule, ObjectsUrl, Quotas};
 use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
 pub use queue::Queue;
+pub use retention::RetentionRule;
 pub use tls::{Tls, WorkerTls};
 
 const MIB: u64 = 1 << 20;
@@ -78,6 +80,12 @@ pub struct Options {
     pub upload_start_s: f64,
     /// Free space of the disk below which new captures, twins and fits are refused [MiB].
     pub disk_floor_mib: u64,
+    /// Time for which what was deleted can be restored [s]; 0 deletes for good.
+    pub trash_s: f64,
+    /// Rules by which captures, fits and twins are moved to the trash.
+    pub retention: Vec<RetentionRule>,
+    /// Interval at which these rules, and those of the API, are applied [s].
+    pub retention_interval_s: f64,
     /// Longest wait of a shutdown for requests and workers to end [s].
     pub shutdown_grace_s: f64,
 }
@@ -214,6 +222,9 @@ impl Default for Options {
             upload_expiry_s: 7.0 * 86_400.0,
             upload_start_s: 600.0,
             disk_floor_mib: 256,
+            trash_s: 7.0 * 86_400.0,
+            retention: Vec::new(),
+            retention_interval_s: 3_600.0,
             shutdown_grace_s: 10.0,
         }
     }
@@ -289,6 +300,8 @@ impl Options {
         within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
         within("upload_start_s", self.upload_start_s, 1.0, 365.0 * 86_400.0);
         within("disk_floor_mib", self.disk_floor_mib as f64, 0.0, f64::from(1 << 30));
+        within("trash_s", self.trash_s, 0.0, 3_650.0 * 86_400.0);
+        within("retention_interval_s", self.retention_interval_s, 1.0, 31.0 * 86_400.0);
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
         within("workers.count", f64::from(workers.count), 0.0, 256.0);
@@ -367,6 +380,11 @@ impl Options {
         {
             faults.push(format!("objects_url: {fault}"));
         }
+        for (number, rule) in self.retention.iter().enumerate() {
+            if let Err((field, fault)) = rule.conditions() {
+                faults.push(format!("retention[{number}].{field} {fault}"));
+            }
+        }
         if self.data_dir.as_os_str().is_empty() {
             faults.push("data_dir is empty: name a folder".to_owned());
         }
@@ -393,6 +411,25 @@ impl Options {
 
     pub(crate) fn upload_start(&self) -> Duration {
         Duration::from_secs_f64(self.upload_start_s.min(self.upload_expiry_s))
+    }
+
+    /// Free space of the disk below which new content is refused [bytes].
+    pub(crate) fn disk_floor_bytes(&self) -> u64 {
+        self.disk_floor_mib.saturating_mul(MIB)
+    }
+
+    /// Time for which what was deleted can be restored; zero deletes for good.
+    pub(crate) fn trash(&self) -> Duration {
+        Duration::from_secs_f64(self.trash_s)
+    }
+
+    pub(crate) fn retention_interval(&self) -> Duration {
+        Duration::from_secs_f64(self.retention_interval_s)
+    }
+
+    /// The rules of the configuration. Those that are no rules were refused at the start.
+    pub(crate) fn retention_rules(&self) -> Vec<NewRule> {
+        self.retention.iter().filter_map(|rule| rule.conditions().ok()).collect()
     }
 
     pub(crate) fn timeouts(&self) -> Timeouts {

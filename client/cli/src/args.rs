@@ -1,6 +1,7 @@
 //! The command line as a whole: shared options and the list of commands.
 
 pub(crate) mod completions;
+pub(crate) mod requirements;
 
 use clap::{Parser, Subcommand};
 
@@ -8,7 +9,7 @@ use crate::{
     access::{key, project},
     admin, bench, ca, capture, demo, doctor, eval, fit,
     global::Global,
-    healthcheck, logging, rollout, server, store, twin, worker,
+    healthcheck, logging, rollout, server, store, trash, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -45,6 +46,10 @@ pub(crate) enum Command {
     Twin(twin::Twin),
     /// Predict the motion of a twin under actions
     Rollout(rollout::Rollout),
+    /// List, restore and purge what was deleted
+    Trash(trash::Trash),
+    /// Rules by which the server deletes by itself: list, make, delete, preview
+    Retention(trash::retention::Retention),
     /// Make, list and revoke the keys of a server
     Key(key::Key),
     /// Make and change projects, whose members share what they have

@@ -84,11 +84,14 @@ enum Command {
     Remove(add::Remove),
     /// Download the masks that the server made of clicks
     Masks(masks::Masks),
-    /// Delete captures; their twins are kept
+    /// Move captures to the trash; their twins are kept
     Delete {
         /// captures/{uuid}
         #[arg(required = true)]
         names: Vec<CaptureId>,
+        /// Delete them for good: nothing can restore them
+        #[arg(long)]
+        purge: bool,
     },
 }
 
@@ -129,10 +132,13 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::Add(args) => add::run(args, global).await,
         Command::Remove(args) => add::remove(args, global).await,
         Command::Masks(args) => masks::run(args, global).await,
-        Command::Delete { names } => {
+        Command::Delete { names, purge } => {
             let client = global.connect().await?;
             for name in &names {
-                client.captures().delete(*name).await?;
+                match purge {
+                    true => client.captures().purge(*name).await?,
+                    false => client.captures().delete(*name).await?,
+                }
             }
             output::print(global, &names, || format!("deleted {}", names.len()))
         }

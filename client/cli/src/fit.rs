@@ -70,11 +70,14 @@ enum Command {
         #[arg(required = true)]
         names: Vec<FitId>,
     },
-    /// Delete fits that have ended; their twins stay
+    /// Move fits to the trash; their twins stay
     Delete {
         /// fits/{uuid}
         #[arg(required = true)]
         names: Vec<FitId>,
+        /// Delete them for good: nothing can restore them
+        #[arg(long)]
+        purge: bool,
     },
 }
 
@@ -127,9 +130,12 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
                 lines.collect()
             })
         }
-        Command::Delete { names } => {
+        Command::Delete { names, purge } => {
             for name in &names {
-                client.fits().delete(*name).await?;
+                match purge {
+                    true => client.fits().purge(*name).await?,
+                    false => client.fits().delete(*name).await?,
+                }
             }
             output::print(global, &names, || format!("deleted {}", names.len()))
         }

@@ -14,11 +14,11 @@ mod healthcheck;
 mod labels;
 mod process;
 mod quality;
-mod requirements;
 mod rollout;
 mod server;
 mod settings;
 mod store;
+mod trash;
 mod twin;
 mod worker;
 
@@ -99,6 +99,8 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::IngestCapture(args) => worker::ingest_capture(&args),
         Command::Capture(args) => capture::run(args, global).await,
         Command::Fit(args) => fit::run(args, global).await,
+        Command::Trash(args) => trash::run(args, global).await,
+        Command::Retention(args) => trash::retention::run(args, global).await,
         Command::Key(args) => access::key::run(args, global).await,
         Command::Project(args) => access::project::run(args, global).await,
         Command::Admin(args) => admin::run(args, global).await,

@@ -164,6 +164,10 @@ pub(crate) struct Server {
     /// 256]
     #[arg(long, env = "BENDTWIN_DISK_FLOOR_MIB", value_name = "MIB")]
     disk_floor_mib: Option<u64>,
+    /// Time for which what was deleted can be restored [s]; 0 deletes for good [default: 604800]
+    #[arg(long, env = "BENDTWIN_TRASH", value_name = "SECONDS")]
+    #[serde(rename = "trash_s")]
+    trash: Option<f64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]

@@ -68,11 +68,14 @@ enum Command {
     Planner(planner::Planner),
     /// Store a twin file, or a fit by PhysTwin, on the server
     Import(import::Import),
-    /// Delete twins
+    /// Move twins to the trash
     Delete {
         /// twins/{uuid}
         #[arg(required = true)]
         names: Vec<TwinId>,
+        /// Delete them for good: nothing can restore them
+        #[arg(long)]
+        purge: bool,
     },
 }
 
@@ -131,10 +134,13 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
             let twin = global.connect().await?.twins().update(name, &update).await?;
             output::print(global, &twin, || shown(&twin))
         }
-        Command::Delete { names } => {
+        Command::Delete { names, purge } => {
             let client = global.connect().await?;
             for name in &names {
-                client.twins().delete(*name).await?;
+                match purge {
+                    true => client.twins().purge(*name).await?,
+                    false => client.twins().delete(*name).await?,
+                }
             }
             output::print(global, &names, || format!("deleted {}", names.len()))
         }

@@ -21,6 +21,8 @@ from bendtwin.v1 import (
     rollout_pb2,
     rollout_pb2_grpc,
     tensor_pb2,
+    trash_pb2,
+    trash_pb2_grpc,
     twin_pb2,
     twin_pb2_grpc,
     usage_pb2,
@@ -58,6 +60,7 @@ class Fake(
     rollout_pb2_grpc.RolloutServiceServicer,
     project_pb2_grpc.ProjectServiceServicer,
     usage_pb2_grpc.UsageServiceServicer,
+    trash_pb2_grpc.TrashServiceServicer,
 ):
     """Server that keeps the requests that it got, and ends jobs as it is told."""
 
@@ -69,6 +72,8 @@ class Fake(
     ingest_request: capture_pb2.IngestCaptureRequest | None = None
     supplement: capture_pb2.SupplementMetadata | None = None
     removed: capture_pb2.DeleteSupplementRequest | None = None
+    deleted: object = None
+    restored: object = None
     update: object = None
     listed: object = None
     reads: int = job_pb2.Job.SUCCEEDED
@@ -139,6 +144,46 @@ class Fake(
     def DeleteSupplement(self, request, context):
         self.removed = request
         return capture_pb2.DeleteSupplementResponse()
+
+    def DeleteCapture(self, request, context):
+        self.deleted = request
+        return capture_pb2.DeleteCaptureResponse()
+
+    def DeleteFit(self, request, context):
+        self.deleted = request
+        return fit_pb2.DeleteFitResponse()
+
+    def DeleteTwin(self, request, context):
+        self.deleted = request
+        return twin_pb2.DeleteTwinResponse()
+
+    def ListTrashedCaptures(self, request, context):
+        self.listed = request
+        page = int(request.page_token or 0)
+        return trash_pb2.ListTrashedCapturesResponse(
+            resources=[trash_pb2.TrashedResource(name=f"captures/{page}-{i}") for i in range(2)],
+            next_page_token="1" if page == 0 else "",
+        )
+
+    def ListTrashedFits(self, request, context):
+        return trash_pb2.ListTrashedFitsResponse(resources=[trash_pb2.TrashedResource(name="fits/0")])
+
+    def ListTrashedTwins(self, request, context):
+        return trash_pb2.ListTrashedTwinsResponse(
+            resources=[trash_pb2.TrashedResource(name="twins/0")]
+        )
+
+    def UndeleteCapture(self, request, context):
+        self.restored = request
+        return self._capture(4, job_pb2.Job.SUCCEEDED)
+
+    def UndeleteFit(self, request, context):
+        self.restored = request
+        return fit_pb2.Fit(name=request.name, job=job_pb2.Job(state=job_pb2.Job.SUCCEEDED))
+
+    def UndeleteTwin(self, request, context):
+        self.restored = request
+        return twin_pb2.Twin(name=request.name)
 
     def ListCaptures(self, request, context):
         self.listed = request
@@ -374,6 +419,7 @@ def serve(fake: Fake) -> tuple[grpc.Server, str]:
     rollout_pb2_grpc.add_RolloutServiceServicer_to_server(fake, server)
     project_pb2_grpc.add_ProjectServiceServicer_to_server(fake, server)
     usage_pb2_grpc.add_UsageServiceServicer_to_server(fake, server)
+    trash_pb2_grpc.add_TrashServiceServicer_to_server(fake, server)
     port = server.add_insecure_port("127.0.0.1:0")
     server.start()
     return server, f"127.0.0.1:{port}"

@@ -240,3 +240,23 @@ def test_masks_of_strokes_are_downloaded(client, fake, tmp_path):
     assert json.loads(fake.ingest_request.settings_json)["strokes"] == [stroke]
     client.download_masks(CAPTURE, tmp_path / "masks.zip")
     assert (tmp_path / "masks.zip").read_bytes() == b"PKmasks"
+
+
+def test_what_is_deleted_goes_to_the_trash_or_for_good(client, fake):
+    for delete in (client.delete_capture, client.delete_fit, client.delete_twin):
+        delete("x/0")
+        assert (fake.deleted.name, fake.deleted.purge) == ("x/0", False)
+        delete("x/0", purge=True)
+        assert fake.deleted.purge
+
+
+def test_the_trash_is_listed_and_restored_from(client, fake):
+    names = [trashed.name for trashed in client.trashed_captures("ada")]
+    assert names == ["captures/0-0", "captures/0-1", "captures/1-0", "captures/1-1"]
+    assert fake.listed.owner == "ada"
+    assert [trashed.name for trashed in client.trashed_fits()] == ["fits/0"]
+    assert [trashed.name for trashed in client.trashed_twins()] == ["twins/0"]
+    assert client.restore_capture(CAPTURE).name == CAPTURE
+    assert client.restore_fit("fits/0").name == "fits/0"
+    assert client.restore_twin("twins/0").name == "twins/0"
+    assert fake.restored.name == "twins/0"

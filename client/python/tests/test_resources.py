@@ -38,6 +38,7 @@ from bendtwin import (
     Supplement,
     Timing,
     Tracking,
+    Trashed,
     TwinInfo,
     Worker,
 )
@@ -53,6 +54,7 @@ from bendtwin.v1 import (
     registration_pb2,
     rollout_pb2,
     session_pb2,
+    trash_pb2,
     twin_pb2,
     usage_pb2,
     worker_pb2,
@@ -84,6 +86,7 @@ MESSAGES = {
     Supplement: capture_pb2.Supplement,
     Timing: REPLY.Timing,
     Tracking: session_pb2.Tracking,
+    Trashed: trash_pb2.TrashedResource,
     TwinInfo: twin_pb2.Twin,
     Worker: worker_pb2.Worker,
 }

@@ -315,12 +315,24 @@ impl Captures {
         self.service.clone().update_capture(request).await?.into_inner().try_into()
     }
 
-    /// Deletes a capture; twins that were fitted to it stay.
+    /// Moves a capture to the trash; twins that were fitted to it stay.
     ///
     /// # Errors
     /// If a fit of it is queued or running, or the server cannot be asked.
     pub async fn delete(&self, name: CaptureId) -> Result<(), Error> {
-        let request = DeleteCaptureRequest { name: name.to_string() };
+        self.remove(name, false).await
+    }
+
+    /// Deletes a capture for good, in the trash or not.
+    ///
+    /// # Errors
+    /// If a fit of it is queued or running, or the server cannot be asked.
+    pub async fn purge(&self, name: CaptureId) -> Result<(), Error> {
+        self.remove(name, true).await
+    }
+
+    async fn remove(&self, name: CaptureId, purge: bool) -> Result<(), Error> {
+        let request = DeleteCaptureRequest { name: name.to_string(), purge };
         self.service.clone().delete_capture(request).await?;
         Ok(())
     }

@@ -18,7 +18,8 @@ use bendtwin_proto::v1::{
     key_service_client::KeyServiceClient, planning_service_client::PlanningServiceClient,
     project_service_client::ProjectServiceClient,
     registration_service_client::RegistrationServiceClient,
-    rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
+    retention_service_client::RetentionServiceClient, rollout_service_client::RolloutServiceClient,
+    session_service_client::SessionServiceClient, trash_service_client::TrashServiceClient,
     twin_service_client::TwinServiceClient, usage_service_client::UsageServiceClient,
     worker_service_client::WorkerServiceClient,
 };
@@ -27,8 +28,8 @@ use tonic::transport::Endpoint;
 use url::Url;
 
 use crate::{
-    Captures, Error, Evaluations, Fits, Keys, Plans, Projects, Registrations, Rollouts, Sessions,
-    Twins, Usage, Workers, token,
+    Captures, Error, Evaluations, Fits, Keys, Plans, Projects, Registrations, Retention, Rollouts,
+    Sessions, Trash, Twins, Usage, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -141,6 +142,16 @@ impl Client {
     pub fn twins(&self) -> Twins {
         let service = TwinServiceClient::new(self.channel.clone());
         Twins::new(service.max_decoding_message_size(MAX_MESSAGE))
+    }
+
+    /// What was deleted and can be restored.
+    pub fn trash(&self) -> Trash {
+        Trash::new(TrashServiceClient::new(self.channel.clone()))
+    }
+
+    /// Rules by which the server deletes.
+    pub fn retention(&self) -> Retention {
+        Retention::new(RetentionServiceClient::new(self.channel.clone()))
     }
 
     /// Keys of clients.

@@ -155,12 +155,24 @@ impl Fits {
         self.service.clone().cancel_fit(request).await?.into_inner().try_into()
     }
 
-    /// Deletes a job that has ended; its twin stays.
+    /// Moves a job that does not run to the trash; its twin stays.
     ///
     /// # Errors
     /// If it still runs, or the server cannot be asked.
     pub async fn delete(&self, name: FitId) -> Result<(), Error> {
-        let request = DeleteFitRequest { name: name.to_string() };
+        self.remove(name, false).await
+    }
+
+    /// Deletes a job for good, in the trash or not.
+    ///
+    /// # Errors
+    /// If it still runs, or the server cannot be asked.
+    pub async fn purge(&self, name: FitId) -> Result<(), Error> {
+        self.remove(name, true).await
+    }
+
+    async fn remove(&self, name: FitId, purge: bool) -> Result<(), Error> {
+        let request = DeleteFitRequest { name: name.to_string(), purge };
         self.service.clone().delete_fit(request).await?;
         Ok(())
     }

@@ -75,9 +75,11 @@ mod plans;
 mod projects;
 mod registrations;
 mod resources;
+mod retention;
 mod rollouts;
 mod sessions;
 pub mod token;
+mod trash;
 mod twins;
 mod usage;
 mod watch;
@@ -86,7 +88,9 @@ mod workers;
 pub use bendtwin_core::settings::ingest::IngestSettings;
 pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
-    ids::{CaptureId, FitId, KeyId, ProjectId, SessionId, TwinId, WorkerId},
+    ids::{
+        CaptureId, FitId, InvalidName, KeyId, ProjectId, RetentionId, SessionId, TwinId, WorkerId,
+    },
 };
 pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 pub use bendtwin_proto::v1::{
@@ -107,6 +111,7 @@ pub use self::{
     projects::{Project, ProjectChange, Projects},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, Supplement, Twin, Worker},
+    retention::{NewRetentionRule, Retention, RetentionOutcome, RetentionPreview, RetentionRule},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
@@ -115,6 +120,7 @@ pub use self::{
     sessions::{
         Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
     },
+    trash::{Trash, Trashed},
     twins::{Geometry, Twins},
     usage::{OwnerUsage, Usage},
     watch::Watch,

@@ -80,12 +80,24 @@ impl Twins {
         self.service.clone().get_twin_geometry(request).await?.into_inner().try_into()
     }
 
-    /// Deletes a twin.
+    /// Moves a twin to the trash.
     ///
     /// # Errors
     /// If the twin does not exist, or the server cannot be asked.
     pub async fn delete(&self, name: TwinId) -> Result<(), Error> {
-        let request = DeleteTwinRequest { name: name.to_string() };
+        self.remove(name, false).await
+    }
+
+    /// Deletes a twin for good, in the trash or not.
+    ///
+    /// # Errors
+    /// If the twin does not exist, or the server cannot be asked.
+    pub async fn purge(&self, name: TwinId) -> Result<(), Error> {
+        self.remove(name, true).await
+    }
+
+    async fn remove(&self, name: TwinId, purge: bool) -> Result<(), Error> {
+        let request = DeleteTwinRequest { name: name.to_string(), purge };
         self.service.clone().delete_twin(request).await?;
         Ok(())
     }

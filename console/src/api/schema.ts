@@ -89,7 +89,7 @@ export interface paths {
         post?: never;
         /**
          * Delete capture
-         * @description Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are kept.
+         * @description Moves a capture to the trash, with what ingests made of it and its supplements; an ingest that is queued or running ends. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are kept.
          */
         delete: operations["DeleteCapture"];
         options?: never;
@@ -297,6 +297,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/captures/{id}/undelete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Undelete capture
+         * @description Restores a deleted capture, with its ingest: one that was queued or running is queued again. A capture that is not in the trash is returned unchanged.
+         */
+        post: operations["UndeleteCapture"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/fits": {
         parameters: {
             query?: never;
@@ -331,7 +351,7 @@ export interface paths {
         post?: never;
         /**
          * Delete fit
-         * @description Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
+         * @description Moves a fit to the trash; one that is queued waits no more. Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
          */
         delete: operations["DeleteFit"];
         options?: never;
@@ -397,6 +417,26 @@ export interface paths {
         get: operations["GetFitLosses"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/fits/{id}/undelete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Undelete fit
+         * @description Restores a deleted fit. One that was queued is queued again, or ends if its capture is gone or cannot be fitted. A fit that is not in the trash is returned unchanged.
+         */
+        post: operations["UndeleteFit"];
         delete?: never;
         options?: never;
         head?: never;
@@ -561,6 +601,68 @@ export interface paths {
         patch: operations["UpdateProject"];
         trace?: never;
     };
+    "/v1/retention": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List retention rules
+         * @description All rules, those of the server's configuration first.
+         */
+        get: operations["ListRetentionRules"];
+        put?: never;
+        /** Create retention rule */
+        post: operations["CreateRetentionRule"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/retention-preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Preview retention
+         * @description What the rules would delete now, and what matches a rule but is kept, with the reason. Changes nothing.
+         */
+        get: operations["PreviewRetention"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/retention/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Get retention rule */
+        get: operations["GetRetentionRule"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete retention rule
+         * @description Rules of the server's configuration cannot be deleted.
+         */
+        delete: operations["DeleteRetentionRule"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/sessions": {
         parameters: {
             query?: never;
@@ -722,6 +824,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/trash/captures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List trashed captures
+         * @description Deleted captures, the last one first.
+         */
+        get: operations["ListTrashedCaptures"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/trash/fits": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List trashed fits
+         * @description Deleted fits, the last one first.
+         */
+        get: operations["ListTrashedFits"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/trash/twins": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List trashed twins
+         * @description Deleted twins, the last one first.
+         */
+        get: operations["ListTrashedTwins"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/twins": {
         parameters: {
             query?: never;
@@ -751,7 +913,10 @@ export interface paths {
         get: operations["GetTwin"];
         put?: never;
         post?: never;
-        /** Delete twin */
+        /**
+         * Delete twin
+         * @description Moves a twin to the trash.
+         */
         delete: operations["DeleteTwin"];
         options?: never;
         head?: never;
@@ -893,6 +1058,26 @@ export interface paths {
          * @description Like RollOut, with the reply in parts as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of a result may differ from those of RollOut, because they depend on the number of instances simulated together; on the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
          */
         post: operations["StreamRollOut"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/undelete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Undelete twin
+         * @description Restores a deleted twin. A twin that is not in the trash is returned unchanged.
+         */
+        post: operations["UndeleteTwin"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1400,6 +1585,23 @@ export interface components {
             /** @description Names of owners, up to 200. An owner need not have a key yet. */
             members?: string[];
         };
+        CreateRetentionRuleRequest: {
+            /** @description captures, fits or twins */
+            collection: string;
+            /** @description 1 to 200 characters. */
+            display_name: string;
+            /**
+             * Format: double
+             * @description Only what was created at least this long ago [days], up to 36,500.
+             */
+            min_age_days: number;
+            /** @description Only what this owner has; empty: any. */
+            owner?: string;
+            /** @description Only what has this tag; empty: any. */
+            tag?: string;
+            /** @description Only captures whose report has this verdict; empty: any. */
+            verdict?: string;
+        };
         /** @description A box aligned with the axes. */
         Cuboid: {
             high?: number[];
@@ -1768,6 +1970,24 @@ export interface components {
             next_page_token: string;
             projects: components["schemas"]["Project"][];
         };
+        ListRetentionRulesResponse: {
+            rules: components["schemas"]["RetentionRule"][];
+        };
+        ListTrashedCapturesResponse: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            resources: components["schemas"]["TrashedResource"][];
+        };
+        ListTrashedFitsResponse: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            resources: components["schemas"]["TrashedResource"][];
+        };
+        ListTrashedTwinsResponse: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            resources: components["schemas"]["TrashedResource"][];
+        };
         ListTwinsResponse: {
             next_page_token: string;
             twins: components["schemas"]["Twin"][];
@@ -2115,6 +2335,12 @@ export interface components {
              */
             train_frame_count: number;
         };
+        PreviewRetentionResponse: {
+            /** @description In the order of deletion: twins, fits, captures, the oldest first. What several rules match stands under the first of them. */
+            outcomes: components["schemas"]["RetentionOutcome"][];
+            /** @description True if there are more than are listed. */
+            truncated: boolean;
+        };
         /** @description An RFC 9457 problem document. */
         ProblemDocument: {
             /** @description The event, and the action to take. */
@@ -2262,6 +2488,48 @@ export interface components {
              * @description 95th percentile.
              */
             p95_mm: number;
+        };
+        /** @description A resource that a rule matches. */
+        RetentionOutcome: {
+            /** Format: date-time */
+            create_time: string;
+            display_name: string;
+            /** @description Why it is kept; empty if it would be deleted. */
+            kept_because: string;
+            /** @description captures/{uuid}, fits/{uuid} or twins/{uuid} */
+            name: string;
+            owner: string;
+            /** @description Display name of the rule. */
+            rule: string;
+            /**
+             * Format: int64
+             * @description Size of the archive of a capture, or of a twin file; 0 for a fit [bytes].
+             */
+            size_bytes: number;
+        };
+        /** @description A rule. It matches what fulfils all of its conditions. */
+        RetentionRule: {
+            /** @description captures, fits or twins */
+            collection: string;
+            /**
+             * Format: date-time
+             * @description Absent for a rule of the server's configuration.
+             */
+            create_time: string | null;
+            display_name: string;
+            /**
+             * Format: double
+             * @description Only what was created at least this long ago [days].
+             */
+            min_age_days: number;
+            /** @description retention/{uuid}; empty for a rule of the server's configuration. */
+            name: string | null;
+            /** @description Only what this owner has; empty: any. */
+            owner: string;
+            /** @description Only what has this tag; empty: any. */
+            tag: string;
+            /** @description Only captures whose report has this verdict; empty: any. */
+            verdict: string;
         };
         Returns: {
             /** @description d cost / d actions as the request gave them: knots or poses, in their shape. */
@@ -2685,6 +2953,29 @@ export interface components {
              * @description Number of latest observations in a row that are not explained.
              */
             unexplained: number;
+        };
+        /** @description A deleted capture, fit or twin. */
+        TrashedResource: {
+            /** Format: date-time */
+            create_time: string;
+            /** Format: date-time */
+            delete_time: string;
+            /** @description Owner of the key that deleted it, or `retention: ` and the name of the rule that did; empty if unknown. */
+            deleted_by: string;
+            display_name: string;
+            /** @description captures/{uuid}, fits/{uuid} or twins/{uuid} */
+            name: string;
+            owner: string;
+            /**
+             * Format: date-time
+             * @description Purged from this time on, or earlier if the disk of the server gets full.
+             */
+            purge_time: string;
+            /**
+             * Format: int64
+             * @description Size of the archive of a capture, or of a twin file; 0 for a fit [bytes].
+             */
+            size_bytes: number;
         };
         Twin: {
             /** @description The capture and the fit that the twin came from; empty for an imported twin. */
@@ -3189,7 +3480,10 @@ export interface operations {
     };
     DeleteCapture: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description True: deleted for good, also from the trash, and nothing can restore it. */
+                purge?: boolean;
+            };
             header?: never;
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3734,6 +4028,38 @@ export interface operations {
             };
         };
     };
+    UndeleteCapture: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Capture"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
     ListFits: {
         parameters: {
             query?: {
@@ -3849,7 +4175,10 @@ export interface operations {
     };
     DeleteFit: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description True: deleted for good, also from the trash, and nothing can restore it. */
+                purge?: boolean;
+            };
             header?: never;
             path: {
                 /** @description The uuid of the resource's name. */
@@ -3999,6 +4328,38 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["FitLosses"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    UndeleteFit: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Fit"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
@@ -4439,6 +4800,159 @@ export interface operations {
             };
         };
     };
+    ListRetentionRules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListRetentionRulesResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    CreateRetentionRule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CreateRetentionRuleRequest"];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RetentionRule"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    PreviewRetention: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PreviewRetentionResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetRetentionRule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RetentionRule"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    DeleteRetentionRule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
     OpenSession: {
         parameters: {
             query?: {
@@ -4789,6 +5303,114 @@ export interface operations {
             };
         };
     };
+    ListTrashedCaptures: {
+        parameters: {
+            query?: {
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page; the filter must be the same. */
+                page_token?: string;
+                /** @description Only those of this owner. */
+                owner?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListTrashedCapturesResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ListTrashedFits: {
+        parameters: {
+            query?: {
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page; the filter must be the same. */
+                page_token?: string;
+                /** @description Only those of this owner. */
+                owner?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListTrashedFitsResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ListTrashedTwins: {
+        parameters: {
+            query?: {
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
+                page_size?: number;
+                /** @description `next_page_token` of the previous page; the filter must be the same. */
+                page_token?: string;
+                /** @description Only those of this owner. */
+                owner?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListTrashedTwinsResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
     ListTwins: {
         parameters: {
             query?: {
@@ -4907,7 +5529,10 @@ export interface operations {
     };
     DeleteTwin: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description True: deleted for good, also from the trash, and nothing can restore it. */
+                purge?: boolean;
+            };
             header?: never;
             path: {
                 /** @description The uuid of the resource's name. */
@@ -5238,6 +5863,38 @@ export interface operations {
                 };
                 content: {
                     "text/event-stream": components["schemas"]["RollOutResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    UndeleteTwin: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Twin"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */

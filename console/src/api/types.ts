@@ -10,6 +10,7 @@ export type Capture = Schemas['Capture'];
 export type Supplement = Schemas['Supplement'];
 export type Fit = Schemas['Fit'];
 export type Twin = Schemas['Twin'];
+export type TrashedResource = Schemas['TrashedResource'];
 export type Worker = Schemas['Worker'];
 export type OwnerUsage = Schemas['OwnerUsage'];
 export type LossCurve = Schemas['FitLosses.LossCurve'];

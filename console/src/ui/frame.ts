@@ -9,6 +9,7 @@ const ENTRIES: readonly (readonly [string, string])[] = [
   ['Twins', 'twins'],
   ['Workers', 'workers'],
   ['Upload', 'upload'],
+  ['Trash', 'trash'],
 ];
 
 /** Frame around every page. */

@@ -1,6 +1,6 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
-//! `sessions/{id}`, `plays/{id}`, `workers/{id}`, `keys/{id}` and `projects/{id}`, what is no resource
-//! `ingests/{id}` and `servers/{id}`; ids are UUIDv7, so they sort by creation time.
+//! `sessions/{id}`, `plays/{id}`, `workers/{id}`, `keys/{id}`, `projects/{id}` and `retention/{id}`, what
+//! is no resource `ingests/{id}` and `servers/{id}`; ids are UUIDv7, so they sort by creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -108,6 +108,10 @@ id!(
 id!(
     /// A server process, new at every start.
     ServerId, "servers"
+);
+id!(
+    /// A rule by which servers delete.
+    RetentionId, "retention"
 );
 id!(
     /// A simulation that lives at a worker between calls.

@@ -19,8 +19,9 @@ use crate::{
     keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
     owners::request_ids::{self, RequestId},
-    sql::{query, query_scalar, row::row},
+    sql::{Transaction, query, query_scalar, row::row},
     store::clock::from_micros,
+    trash::{self, Remove},
     uploads,
 };
 
@@ -119,6 +120,8 @@ row! {
         first_name: Option<String>,
         owner: String,
         recorded_by: String,
+        trashed_at: Option<i64>,
+        purge_at: Option<i64>,
     }
 }
 
@@ -152,8 +155,10 @@ impl TryFrom<Row> for Capture {
             name: format!("captures/{}", row.id),
             fault: fault.to_owned(),
         };
+        let id: CaptureId = Uuid::try_parse(&row.id).map_err(|_| corrupt("id"))?.into();
+        trash::refuse(id, row.trashed_at, row.purge_at)?;
         Ok(Self {
-            id: Uuid::try_parse(&row.id).map_err(|_| corrupt("id"))?.into(),
+            id,
             created: from_micros(row.created_at),
             size_bytes: row.size_bytes.max(0) as u64,
             digest: Digest::from_hex(&row.digest).map_err(|_| corrupt("digest"))?,
@@ -162,6 +167,15 @@ impl TryFrom<Row> for Capture {
             recorded_by: row.recorded_by,
         })
     }
+}
+
+/// Returns a capture within a transaction.
+pub(crate) async fn fetch(tx: &mut Transaction, id: CaptureId) -> Result<Capture> {
+    let row: Option<Row> = query("select * from captures where id = $1")
+        .bind(id.uuid().to_string())
+        .fetch_optional(tx)
+        .await?;
+    row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
 }
 
 impl Captures<'_> {
@@ -307,6 +321,11 @@ impl Captures<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
+    /// Refuses what there is not, or what is in the trash.
+    pub(crate) async fn require(&self, id: CaptureId) -> Result<()> {
+        self.get(id).await.map(drop)
+    }
+
     /// Returns a capture with its ingest, report and supplements.
     ///
     /// # Errors
@@ -375,18 +394,15 @@ impl Captures<'_> {
     pub async fn update(&self, id: CaptureId, change: &CaptureChange) -> Result<Capture> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
-        let find = "select * from captures where id = $1";
-        let row: Option<Row> = query(find).bind(&key).fetch_optional(&mut tx).await?;
-        let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
-        let before = Capture::try_from(row)?.labels;
+        let before = fetch(&mut tx, id).await?.labels;
         labels::change(&mut tx, Collection::Captures, &key, &before, &change.labels).await?;
         if let Some(recorded_by) = &change.recorded_by {
             let update = "update captures set recorded_by = $2 where id = $1";
             query(update).bind(&key).bind(recorded_by).execute(&mut tx).await?;
         }
-        let row: Row = query(find).bind(&key).fetch_one(&mut tx).await?;
+        let changed = fetch(&mut tx, id).await?;
         tx.commit().await?;
-        row.try_into()
+        Ok(changed)
     }
 
     /// The archive of a capture.
@@ -403,23 +419,32 @@ impl Captures<'_> {
         Ok((capture, content))
     }
 
-    /// Deletes a capture with its ingest, what ingests made of it, and its supplements. Its twins
-    /// and ended fits stay. Its request id makes no other for a day.
+    /// Deletes a capture for good, also one in the trash, with its ingest, what ingests made of it,
+    /// and its supplements. Its twins and ended fits stay. Its request id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`]; [`Error::CaptureInUse`] while fits of it are queued or running.
     pub async fn delete(&self, id: CaptureId) -> Result<()> {
+        self.remove(id, Remove::Any).await
+    }
+
+    /// Deletes a capture for good if it is one of these.
+    pub(crate) async fn remove(&self, id: CaptureId, which: Remove) -> Result<()> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
         let fits = jobs::fits_under_way(&mut tx, &key).await?;
         if fits > 0 {
             return Err(Error::CaptureInUse { name: id.to_string(), fits });
         }
-        let deleted: Option<(String, Option<String>, String)> =
-            query("delete from captures where id = $1 returning digest, request_id, owner")
-                .bind(&key)
-                .fetch_optional(&mut tx)
-                .await?;
+        let deleted: Option<(String, Option<String>, String)> = query(
+            "delete from captures where id = $1 and ($2 or purge_at <= $3)
+             returning digest, request_id, owner",
+        )
+        .bind(&key)
+        .bind(which.is_any())
+        .bind(which.until())
+        .fetch_optional(&mut tx)
+        .await?;
         let (digest, request_id, owner) =
             deleted.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let request = request_id.as_deref().map(|stored| RequestId::of_row(stored, &owner));
@@ -428,13 +453,13 @@ impl Captures<'_> {
         let mut obsolete = vec![digest];
         // Its worker learns that the job is gone, and stops.
         let ingest = jobs::dequeue(&mut tx, &key).await?;
-        obsolete.extend(ingest.iter().filter_map(|i| i.checkpoint).map(|d| d.to_hex().to_string()));
+        obsolete.extend(ingest.iter().filter_map(|(_, checkpoint)| checkpoint.clone()));
         obsolete.extend(observations::forget(&mut tx, &key).await?);
         obsolete.extend(supplements::forget(&mut tx, &key).await?);
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
-        if let Some(ingest) = ingest {
-            let _ = self.store.inner.changes.send(ingest.id);
+        if let Some((ingest, _)) = ingest {
+            let _ = self.store.inner.changes.send(ingest);
         }
         self.store.pass(Failpoint::BeforeRelease)?;
         for digest in obsolete {

@@ -18,7 +18,7 @@ use bendtwin_core::ids::UploadId;
 use crate::{
     Error, Result, Store,
     owners::request_ids::{DIVIDER, RequestId},
-    sql::{Transaction, query},
+    sql::{Transaction, query, query_scalar},
 };
 
 /// Time for which an id is kept; an attempt ends within minutes.
@@ -87,6 +87,23 @@ pub(crate) async fn begin_again(
         .execute(tx)
         .await?;
     Ok(())
+}
+
+/// Takes back the id of a resource that is restored; none if it had none, it has been forgotten, or
+/// an upload was begun under it after the deletion.
+pub(crate) async fn take_back(
+    tx: &mut Transaction,
+    kind: Kind,
+    name: &str,
+) -> Result<Option<String>> {
+    query_scalar(
+        "delete from deleted_requests where kind = $1 and name = $2 and upload is null
+         returning request_id",
+    )
+    .bind(kind.as_str())
+    .bind(name)
+    .fetch_optional(tx)
+    .await
 }
 
 impl Store {

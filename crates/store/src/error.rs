@@ -7,6 +7,7 @@ use bendtwin_core::{
     ids::{CaptureId, FitId},
 };
 use bendtwin_tls::{FileError, TlsError};
+use jiff::Timestamp;
 
 use crate::{Digest, JobId, database::plans, folder::disk};
 
@@ -23,6 +24,11 @@ pub enum Error {
     #[error("{name} does not exist")]
     #[problem(NotFound, "NOT_FOUND")]
     NotFound { name: String },
+    #[error(
+        "{name} is in the trash until {until}: restore it with `bendtwin trash restore {name}`"
+    )]
+    #[problem(NotFound, "IN_TRASH")]
+    InTrash { name: String, until: Timestamp },
     #[error(
         "{name} has no playback: wait for the end of its ingest or, if it was read before there were \
          playbacks, run the ingest again"
@@ -43,7 +49,7 @@ pub enum Error {
     RequestIdTaken { request_id: String, name: String },
     #[error(
         "request id `{request_id}` made {name}, which has been deleted since: choose a new request id \
-         to make another"
+         to make another, or restore it if it is in the trash"
     )]
     #[problem(AlreadyExists, "DELETED_SINCE")]
     DeletedSince { request_id: String, name: String },
@@ -114,10 +120,14 @@ pub enum Error {
     QuotaJobs { owner: String, queued: u64, limit: u64 },
     #[error(
         "{owner} has {stored} bytes stored or on their way, which leaves no room for {more} more within \
-         the {limit} that its key allows: delete captures or twins, or terminate uploads"
+         the {limit} that its key allows: delete captures or twins and empty \
+         the trash, which counts, or terminate uploads"
     )]
     #[problem(ResourceExhausted, "QUOTA_STORED_BYTES")]
     QuotaBytes { owner: String, stored: u64, more: u64, limit: u64 },
+    #[error("there are {limit} retention rules already: delete some")]
+    #[problem(ResourceExhausted, "TOO_MANY_RETENTION_RULES")]
+    TooManyRules { limit: u64 },
     #[error("the server's disk is full: free space or delete captures and twins")]
     #[problem(ResourceExhausted, "DISK_FULL")]
     DiskFull,

@@ -13,6 +13,7 @@ mod lease_time;
 mod losses;
 mod requirements;
 mod row;
+mod suspend;
 mod turns;
 
 use std::time::Duration;
@@ -29,6 +30,7 @@ use crate::{
     labels::{self, Collection},
     owners::request_ids::RequestId,
     sql::query,
+    trash::Remove,
 };
 
 pub use claim::Claimant;
@@ -203,13 +205,22 @@ impl Jobs<'_> {
         Ok(job)
     }
 
-    /// Deletes a fit that does not run. Its twin stays. Its request id makes no other for a day.
+    /// Deletes a fit that does not run for good, also one in the trash. Its twin stays. Its request
+    /// id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::FitRunning`].
     pub async fn delete(&self, fit: FitId) -> Result<()> {
+        self.remove(fit, Remove::Any).await
+    }
+
+    /// Deletes a fit for good if it is one of these.
+    pub(crate) async fn remove(&self, fit: FitId, which: Remove) -> Result<()> {
         let mut tx = self.store.inner.database.write().await?;
-        let row = row::fetch(&mut tx, fit.into()).await?;
+        let row = row::fetch_any(&mut tx, fit.into()).await?;
+        if !row.is_among(which) {
+            return Err(Error::NotFound { name: fit.to_string() });
+        }
         if row.state()? == State::Running {
             return Err(Error::FitRunning { fit });
         }
@@ -245,8 +256,17 @@ impl Jobs<'_> {
             query("select kind, state, count(*), min(created_at) from jobs group by kind, state")
                 .fetch_all(self.store.inner.database.read())
                 .await?;
+        // The first statement reads an index alone, this one the few rows in the trash.
+        let in_trash: Vec<(String, String, i64)> = query(
+            "select kind, state, count(*) from jobs where trashed_at is not null
+             group by kind, state",
+        )
+        .fetch_all(self.store.inner.database.read())
+        .await?;
         let mut depth = QueueDepth::default();
         for (kind, state, count, oldest) in rows {
+            let trashed = in_trash.iter().find(|(k, s, _)| (k, s) == (&kind, &state));
+            let count = count - trashed.map_or(0, |(.., trashed)| *trashed);
             let (Some(kind), Some(state)) = (Kind::parse(&kind), State::parse(&state)) else {
                 continue;
             };

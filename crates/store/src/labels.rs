@@ -39,15 +39,21 @@ pub struct LabelChange {
 
 /// The resources that have labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Collection {
+pub enum Collection {
+    /// Captures.
     Captures,
+    /// Fits.
     Fits,
+    /// Twins.
     Twins,
 }
 
 impl Collection {
+    /// All collections.
+    pub const ALL: [Self; 3] = [Self::Captures, Self::Fits, Self::Twins];
+
     /// Name of the collection, in resource names and in `tags`.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Captures => "captures",
             Self::Fits => "fits",

@@ -72,6 +72,11 @@
 //! own ids (`owners::request_ids`). The id outlives the row for a day (`deleted_requests`): an attempt that its client had given up, and that comes to its
 //! end after the deletion, makes nothing.
 //!
+//! # The trash
+//! A deleted capture, fit or twin keeps its row, with a time at which it is purged ([`trash`](Trash)):
+//! references, quotas, backups and the check count it as before. Reading such a row as a resource
+//! fails ([`Error::InTrash`]), and lists leave it out. A job in the trash is in no queue.
+//!
 //! # Content that is not what it was
 //! Sizes are compared when content is opened, digests while it is read: damaged
 //! content never arrives whole. [`maintenance`] has the check of a whole store, its
@@ -125,6 +130,7 @@ mod meter;
 mod owners;
 mod sql;
 mod store;
+mod trash;
 mod twins;
 mod uploads;
 mod usage;
@@ -151,7 +157,7 @@ pub use keys::{
     Key, Keys, NewKey,
     quotas::{Creator, Quotas, reservation::Incoming},
 };
-pub use labels::{LabelChange, Labels, MAX_TAGS};
+pub use labels::{Collection, LabelChange, Labels, MAX_TAGS};
 pub use listing::{
     ListQuery, Order, OrderKey,
     page::{Page, PageRequest},
@@ -164,6 +170,11 @@ pub use owners::{
 pub use store::{
     Options, Store,
     clock::{Clock, ManualClock, SystemClock},
+};
+pub use trash::{
+    Deletion, Trash, Trashed,
+    resource::Resource,
+    retention::{KEEP_TAG, Kept, Match, NewRule, Preview, Retention, Rule},
 };
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{

@@ -106,7 +106,8 @@ impl ListQuery {
         }
         // Rows with a tag of fits are fits: an index of kinds would be the worse way to them.
         let all_kinds = collection != Collection::Fits || !self.tag.is_empty();
-        sql.push(if all_kinds { "true" } else { "t.kind = 'fit'" });
+        sql.push(if all_kinds { "" } else { "t.kind = 'fit' and " });
+        sql.push("t.trashed_at is null");
         if let Some(capture) = self.capture {
             sql.push(" and t.capture = ").push_bind(capture.uuid().to_string());
         }

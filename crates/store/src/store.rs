@@ -11,7 +11,7 @@ use tokio::sync::{Notify, broadcast};
 use self::clock::micros;
 use crate::{
     Blobs, Captures, Clock, DatabaseUrl, Error, JobId, Jobs, Keys, ObjectsUrl, Owners, Projects,
-    Result, Servers, SystemClock, Twins, Uploads, Usage, Workers,
+    Result, Retention, Servers, SystemClock, Trash, Twins, Uploads, Usage, Workers,
     blobs::{Place, arrivals, files, own},
     database::{self, Database, Wakes, migrations},
     failpoint::{Armed, Failpoint},
@@ -178,6 +178,16 @@ impl Store {
     /// Twins.
     pub fn twins(&self) -> Twins<'_> {
         Twins { store: self }
+    }
+
+    /// The trash: what was deleted and can be restored.
+    pub fn trash(&self) -> Trash<'_> {
+        Trash { store: self }
+    }
+
+    /// Rules by which resources are deleted.
+    pub fn retention(&self) -> Retention<'_> {
+        Retention { store: self }
     }
 
     /// Resumable uploads.

@@ -15,6 +15,7 @@ use crate::{
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, row::row},
     store::clock::from_micros,
+    trash::{self, Remove},
 };
 
 /// Facts of a twin, read from its file, for listings.
@@ -110,6 +111,8 @@ row! {
         first_name: Option<String>,
         error_m: f64,
         owner: String,
+        trashed_at: Option<i64>,
+        purge_at: Option<i64>,
     }
 }
 
@@ -140,8 +143,10 @@ impl TryFrom<Row> for Twin {
         };
         let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| corrupt("an id"));
         let count = |n: i64| u32::try_from(n).unwrap_or(u32::MAX);
+        let id: TwinId = uuid(&row.id)?.into();
+        trash::refuse(id, row.trashed_at, row.purge_at)?;
         Ok(Self {
-            id: uuid(&row.id)?.into(),
+            id,
             capture: row.capture.as_ref().map(uuid).transpose()?.map(Into::into),
             fit: row.fit.as_ref().map(uuid).transpose()?.map(Into::into),
             created: from_micros(row.created_at),
@@ -370,18 +375,27 @@ impl Twins<'_> {
         Ok((twin, content))
     }
 
-    /// Deletes a twin. Its request id makes no other for a day.
+    /// Deletes a twin for good, also one in the trash. Its request id makes no other for a day.
     ///
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn delete(&self, id: TwinId) -> Result<()> {
+        self.remove(id, Remove::Any).await
+    }
+
+    /// Deletes a twin for good if it is one of these.
+    pub(crate) async fn remove(&self, id: TwinId, which: Remove) -> Result<()> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
-        let deleted: Option<(String, Option<String>, String)> =
-            query("delete from twins where id = $1 returning digest, request_id, owner")
-                .bind(&key)
-                .fetch_optional(&mut tx)
-                .await?;
+        let deleted: Option<(String, Option<String>, String)> = query(
+            "delete from twins where id = $1 and ($2 or purge_at <= $3)
+             returning digest, request_id, owner",
+        )
+        .bind(&key)
+        .bind(which.is_any())
+        .bind(which.until())
+        .fetch_optional(&mut tx)
+        .await?;
         let (digest, request_id, owner) =
             deleted.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let request = request_id.as_deref().map(|stored| RequestId::of_row(stored, &owner));

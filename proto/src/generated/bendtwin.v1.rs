@@ -821,6 +821,9 @@ pub struct UpdateCaptureRequest {
 pub struct DeleteCaptureRequest {
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
+    /// True: deleted for good, also from the trash, and nothing can restore it.
+    #[prost(bool, tag = "2")]
+    pub purge: bool,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteCaptureResponse {}
@@ -1172,8 +1175,9 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "UpdateCapture"));
             self.inner.unary(req, path, codec).await
         }
-        /// Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the
-        /// capture is queued or running. Its twins are kept.
+        /// Moves a capture to the trash, with what ingests made of it and its supplements; an ingest that is queued or
+        /// running ends. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are
+        /// kept.
         pub async fn delete_capture(
             &mut self,
             request: impl tonic::IntoRequest<super::DeleteCaptureRequest>,
@@ -1473,8 +1477,9 @@ pub mod capture_service_server {
             &self,
             request: tonic::Request<super::UpdateCaptureRequest>,
         ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status>;
-        /// Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the
-        /// capture is queued or running. Its twins are kept.
+        /// Moves a capture to the trash, with what ingests made of it and its supplements; an ingest that is queued or
+        /// running ends. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are
+        /// kept.
         async fn delete_capture(
             &self,
             request: tonic::Request<super::DeleteCaptureRequest>,
@@ -2506,6 +2511,9 @@ pub struct CancelFitRequest {
 pub struct DeleteFitRequest {
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
+    /// True: deleted for good, also from the trash, and nothing can restore it.
+    #[prost(bool, tag = "2")]
+    pub purge: bool,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteFitResponse {}
@@ -2742,7 +2750,8 @@ pub mod fit_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.FitService", "CancelFit"));
             self.inner.unary(req, path, codec).await
         }
-        /// Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
+        /// Moves a fit to the trash; one that is queued waits no more. Refused with FAILED_PRECONDITION while the fit runs:
+        /// cancel it first. Its twin is kept.
         pub async fn delete_fit(
             &mut self,
             request: impl tonic::IntoRequest<super::DeleteFitRequest>,
@@ -2839,7 +2848,8 @@ pub mod fit_service_server {
             &self,
             request: tonic::Request<super::CancelFitRequest>,
         ) -> std::result::Result<tonic::Response<super::Fit>, tonic::Status>;
-        /// Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
+        /// Moves a fit to the trash; one that is queued waits no more. Refused with FAILED_PRECONDITION while the fit runs:
+        /// cancel it first. Its twin is kept.
         async fn delete_fit(
             &self,
             request: tonic::Request<super::DeleteFitRequest>,
@@ -3578,6 +3588,9 @@ pub struct UpdateTwinRequest {
 pub struct DeleteTwinRequest {
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
+    /// True: deleted for good, also from the trash, and nothing can restore it.
+    #[prost(bool, tag = "2")]
+    pub purge: bool,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteTwinResponse {}
@@ -3772,6 +3785,7 @@ pub mod twin_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.TwinService", "UpdateTwin"));
             self.inner.unary(req, path, codec).await
         }
+        /// Moves a twin to the trash.
         pub async fn delete_twin(
             &mut self,
             request: impl tonic::IntoRequest<super::DeleteTwinRequest>,
@@ -3880,6 +3894,7 @@ pub mod twin_service_server {
             &self,
             request: tonic::Request<super::UpdateTwinRequest>,
         ) -> std::result::Result<tonic::Response<super::Twin>, tonic::Status>;
+        /// Moves a twin to the trash.
         async fn delete_twin(
             &self,
             request: tonic::Request<super::DeleteTwinRequest>,
@@ -4337,6 +4352,1525 @@ pub mod twin_service_server {
     /// Generated gRPC service name
     pub const SERVICE_NAME: &str = "bendtwin.v1.TwinService";
     impl<T> tonic::server::NamedService for TwinServiceServer<T> {
+        const NAME: &'static str = SERVICE_NAME;
+    }
+}
+/// A deleted capture, fit or twin.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct TrashedResource {
+    /// captures/{uuid}, fits/{uuid} or twins/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    #[prost(string, tag = "2")]
+    pub display_name: ::prost::alloc::string::String,
+    #[prost(string, tag = "3")]
+    pub owner: ::prost::alloc::string::String,
+    #[prost(message, optional, tag = "4")]
+    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
+    #[prost(message, optional, tag = "5")]
+    pub delete_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// Purged from this time on, or earlier if the disk of the server gets full.
+    #[prost(message, optional, tag = "6")]
+    pub purge_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// Owner of the key that deleted it, or `retention: ` and the name of the rule that did; empty if unknown.
+    #[prost(string, tag = "7")]
+    pub deleted_by: ::prost::alloc::string::String,
+    /// Size of the archive of a capture, or of a twin file; 0 for a fit \[bytes\].
+    #[prost(uint64, tag = "8")]
+    pub size_bytes: u64,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ListTrashedCapturesRequest {
+    /// Default (0): 50. Values above 1000 count as 1000.
+    #[prost(uint32, tag = "1")]
+    pub page_size: u32,
+    /// `next_page_token` of the previous page; the filter must be the same.
+    #[prost(string, tag = "2")]
+    pub page_token: ::prost::alloc::string::String,
+    /// Only those of this owner.
+    #[prost(string, tag = "3")]
+    pub owner: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ListTrashedCapturesResponse {
+    #[prost(message, repeated, tag = "1")]
+    pub resources: ::prost::alloc::vec::Vec<TrashedResource>,
+    /// Empty on the last page.
+    #[prost(string, tag = "2")]
+    pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct UndeleteCaptureRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ListTrashedFitsRequest {
+    /// Default (0): 50. Values above 1000 count as 1000.
+    #[prost(uint32, tag = "1")]
+    pub page_size: u32,
+    /// `next_page_token` of the previous page; the filter must be the same.
+    #[prost(string, tag = "2")]
+    pub page_token: ::prost::alloc::string::String,
+    /// Only those of this owner.
+    #[prost(string, tag = "3")]
+    pub owner: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ListTrashedFitsResponse {
+    #[prost(message, repeated, tag = "1")]
+    pub resources: ::prost::alloc::vec::Vec<TrashedResource>,
+    /// Empty on the last page.
+    #[prost(string, tag = "2")]
+    pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct UndeleteFitRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ListTrashedTwinsRequest {
+    /// Default (0): 50. Values above 1000 count as 1000.
+    #[prost(uint32, tag = "1")]
+    pub page_size: u32,
+    /// `next_page_token` of the previous page; the filter must be the same.
+    #[prost(string, tag = "2")]
+    pub page_token: ::prost::alloc::string::String,
+    /// Only those of this owner.
+    #[prost(string, tag = "3")]
+    pub owner: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ListTrashedTwinsResponse {
+    #[prost(message, repeated, tag = "1")]
+    pub resources: ::prost::alloc::vec::Vec<TrashedResource>,
+    /// Empty on the last page.
+    #[prost(string, tag = "2")]
+    pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct UndeleteTwinRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+/// Generated client implementations.
+pub mod trash_service_client {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    use tonic::codegen::http::Uri;
+    /// Deleted captures, fits and twins. They can be restored until the server purges them; until then they are not
+    /// listed, not readable and not usable, and count as stored bytes of their owners. To purge one, delete it with
+    /// `purge`.
+    #[derive(Debug, Clone)]
+    pub struct TrashServiceClient<T> {
+        inner: tonic::client::Grpc<T>,
+    }
+    impl TrashServiceClient<tonic::transport::Channel> {
+        /// Attempt to create a new client by connecting to a given endpoint.
+        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
+        where
+            D: TryInto<tonic::transport::Endpoint>,
+            D::Error: Into<StdError>,
+        {
+            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
+            Ok(Self::new(conn))
+        }
+    }
+    impl<T> TrashServiceClient<T>
+    where
+        T: tonic::client::GrpcService<tonic::body::Body>,
+        T::Error: Into<StdError>,
+        T::ResponseBody: Body<Data = Bytes> + std::marker::Send + 'static,
+        <T::ResponseBody as Body>::Error: Into<StdError> + std::marker::Send,
+    {
+        pub fn new(inner: T) -> Self {
+            let inner = tonic::client::Grpc::new(inner);
+            Self { inner }
+        }
+        pub fn with_origin(inner: T, origin: Uri) -> Self {
+            let inner = tonic::client::Grpc::with_origin(inner, origin);
+            Self { inner }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> TrashServiceClient<InterceptedService<T, F>>
+        where
+            F: tonic::service::Interceptor,
+            T::ResponseBody: Default,
+            T: tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+                Response = http::Response<
+                    <T as tonic::client::GrpcService<tonic::body::Body>>::ResponseBody,
+                >,
+            >,
+            <T as tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+            >>::Error: Into<StdError> + std::marker::Send + std::marker::Sync,
+        {
+            TrashServiceClient::new(InterceptedService::new(inner, interceptor))
+        }
+        /// Compress requests with the given encoding.
+        ///
+        /// This requires the server to support it otherwise it might respond with an
+        /// error.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.send_compressed(encoding);
+            self
+        }
+        /// Enable decompressing responses.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.accept_compressed(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_decoding_message_size(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_encoding_message_size(limit);
+            self
+        }
+        /// Deleted captures, the last one first.
+        pub async fn list_trashed_captures(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ListTrashedCapturesRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListTrashedCapturesResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TrashService/ListTrashedCaptures",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.TrashService", "ListTrashedCaptures"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        /// Deleted fits, the last one first.
+        pub async fn list_trashed_fits(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ListTrashedFitsRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListTrashedFitsResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TrashService/ListTrashedFits",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TrashService", "ListTrashedFits"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// Deleted twins, the last one first.
+        pub async fn list_trashed_twins(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ListTrashedTwinsRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListTrashedTwinsResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TrashService/ListTrashedTwins",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TrashService", "ListTrashedTwins"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// Restores a deleted capture, with its ingest: one that was queued or running is queued again. A capture that is
+        /// not in the trash is returned unchanged.
+        pub async fn undelete_capture(
+            &mut self,
+            request: impl tonic::IntoRequest<super::UndeleteCaptureRequest>,
+        ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TrashService/UndeleteCapture",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TrashService", "UndeleteCapture"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// Restores a deleted fit. One that was queued is queued again, or ends if its capture is gone or cannot be fitted.
+        /// A fit that is not in the trash is returned unchanged.
+        pub async fn undelete_fit(
+            &mut self,
+            request: impl tonic::IntoRequest<super::UndeleteFitRequest>,
+        ) -> std::result::Result<tonic::Response<super::Fit>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TrashService/UndeleteFit",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TrashService", "UndeleteFit"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// Restores a deleted twin. A twin that is not in the trash is returned unchanged.
+        pub async fn undelete_twin(
+            &mut self,
+            request: impl tonic::IntoRequest<super::UndeleteTwinRequest>,
+        ) -> std::result::Result<tonic::Response<super::Twin>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TrashService/UndeleteTwin",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TrashService", "UndeleteTwin"));
+            self.inner.unary(req, path, codec).await
+        }
+    }
+}
+/// Generated server implementations.
+pub mod trash_service_server {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    /// Generated trait containing gRPC methods that should be implemented for use with TrashServiceServer.
+    #[async_trait]
+    pub trait TrashService: std::marker::Send + std::marker::Sync + 'static {
+        /// Deleted captures, the last one first.
+        async fn list_trashed_captures(
+            &self,
+            request: tonic::Request<super::ListTrashedCapturesRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListTrashedCapturesResponse>,
+            tonic::Status,
+        >;
+        /// Deleted fits, the last one first.
+        async fn list_trashed_fits(
+            &self,
+            request: tonic::Request<super::ListTrashedFitsRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListTrashedFitsResponse>,
+            tonic::Status,
+        >;
+        /// Deleted twins, the last one first.
+        async fn list_trashed_twins(
+            &self,
+            request: tonic::Request<super::ListTrashedTwinsRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListTrashedTwinsResponse>,
+            tonic::Status,
+        >;
+        /// Restores a deleted capture, with its ingest: one that was queued or running is queued again. A capture that is
+        /// not in the trash is returned unchanged.
+        async fn undelete_capture(
+            &self,
+            request: tonic::Request<super::UndeleteCaptureRequest>,
+        ) -> std::result::Result<tonic::Response<super::Capture>, tonic::Status>;
+        /// Restores a deleted fit. One that was queued is queued again, or ends if its capture is gone or cannot be fitted.
+        /// A fit that is not in the trash is returned unchanged.
+        async fn undelete_fit(
+            &self,
+            request: tonic::Request<super::UndeleteFitRequest>,
+        ) -> std::result::Result<tonic::Response<super::Fit>, tonic::Status>;
+        /// Restores a deleted twin. A twin that is not in the trash is returned unchanged.
+        async fn undelete_twin(
+            &self,
+            request: tonic::Request<super::UndeleteTwinRequest>,
+        ) -> std::result::Result<tonic::Response<super::Twin>, tonic::Status>;
+    }
+    /// Deleted captures, fits and twins. They can be restored until the server purges them; until then they are not
+    /// listed, not readable and not usable, and count as stored bytes of their owners. To purge one, delete it with
+    /// `purge`.
+    #[derive(Debug)]
+    pub struct TrashServiceServer<T> {
+        inner: Arc<T>,
+        accept_compression_encodings: EnabledCompressionEncodings,
+        send_compression_encodings: EnabledCompressionEncodings,
+        max_decoding_message_size: Option<usize>,
+        max_encoding_message_size: Option<usize>,
+    }
+    impl<T> TrashServiceServer<T> {
+        pub fn new(inner: T) -> Self {
+            Self::from_arc(Arc::new(inner))
+        }
+        pub fn from_arc(inner: Arc<T>) -> Self {
+            Self {
+                inner,
+                accept_compression_encodings: Default::default(),
+                send_compression_encodings: Default::default(),
+                max_decoding_message_size: None,
+                max_encoding_message_size: None,
+            }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> InterceptedService<Self, F>
+        where
+            F: tonic::service::Interceptor,
+        {
+            InterceptedService::new(Self::new(inner), interceptor)
+        }
+        /// Enable decompressing requests with the given encoding.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.accept_compression_encodings.enable(encoding);
+            self
+        }
+        /// Compress responses with the given encoding, if the client supports it.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.send_compression_encodings.enable(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.max_decoding_message_size = Some(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.max_encoding_message_size = Some(limit);
+            self
+        }
+    }
+    impl<T, B> tonic::codegen::Service<http::Request<B>> for TrashServiceServer<T>
+    where
+        T: TrashService,
+        B: Body + std::marker::Send + 'static,
+        B::Error: Into<StdError> + std::marker::Send + 'static,
+    {
+        type Response = http::Response<tonic::body::Body>;
+        type Error = std::convert::Infallible;
+        type Future = BoxFuture<Self::Response, Self::Error>;
+        fn poll_ready(
+            &mut self,
+            _cx: &mut Context<'_>,
+        ) -> Poll<std::result::Result<(), Self::Error>> {
+            Poll::Ready(Ok(()))
+        }
+        fn call(&mut self, req: http::Request<B>) -> Self::Future {
+            match req.uri().path() {
+                "/bendtwin.v1.TrashService/ListTrashedCaptures" => {
+                    #[allow(non_camel_case_types)]
+                    struct ListTrashedCapturesSvc<T: TrashService>(pub Arc<T>);
+                    impl<
+                        T: TrashService,
+                    > tonic::server::UnaryService<super::ListTrashedCapturesRequest>
+                    for ListTrashedCapturesSvc<T> {
+                        type Response = super::ListTrashedCapturesResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ListTrashedCapturesRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrashService>::list_trashed_captures(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = ListTrashedCapturesSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TrashService/ListTrashedFits" => {
+                    #[allow(non_camel_case_types)]
+                    struct ListTrashedFitsSvc<T: TrashService>(pub Arc<T>);
+                    impl<
+                        T: TrashService,
+                    > tonic::server::UnaryService<super::ListTrashedFitsRequest>
+                    for ListTrashedFitsSvc<T> {
+                        type Response = super::ListTrashedFitsResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ListTrashedFitsRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrashService>::list_trashed_fits(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = ListTrashedFitsSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TrashService/ListTrashedTwins" => {
+                    #[allow(non_camel_case_types)]
+                    struct ListTrashedTwinsSvc<T: TrashService>(pub Arc<T>);
+                    impl<
+                        T: TrashService,
+                    > tonic::server::UnaryService<super::ListTrashedTwinsRequest>
+                    for ListTrashedTwinsSvc<T> {
+                        type Response = super::ListTrashedTwinsResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ListTrashedTwinsRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrashService>::list_trashed_twins(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = ListTrashedTwinsSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TrashService/UndeleteCapture" => {
+                    #[allow(non_camel_case_types)]
+                    struct UndeleteCaptureSvc<T: TrashService>(pub Arc<T>);
+                    impl<
+                        T: TrashService,
+                    > tonic::server::UnaryService<super::UndeleteCaptureRequest>
+                    for UndeleteCaptureSvc<T> {
+                        type Response = super::Capture;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::UndeleteCaptureRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrashService>::undelete_capture(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = UndeleteCaptureSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TrashService/UndeleteFit" => {
+                    #[allow(non_camel_case_types)]
+                    struct UndeleteFitSvc<T: TrashService>(pub Arc<T>);
+                    impl<
+                        T: TrashService,
+                    > tonic::server::UnaryService<super::UndeleteFitRequest>
+                    for UndeleteFitSvc<T> {
+                        type Response = super::Fit;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::UndeleteFitRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrashService>::undelete_fit(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = UndeleteFitSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TrashService/UndeleteTwin" => {
+                    #[allow(non_camel_case_types)]
+                    struct UndeleteTwinSvc<T: TrashService>(pub Arc<T>);
+                    impl<
+                        T: TrashService,
+                    > tonic::server::UnaryService<super::UndeleteTwinRequest>
+                    for UndeleteTwinSvc<T> {
+                        type Response = super::Twin;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::UndeleteTwinRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrashService>::undelete_twin(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = UndeleteTwinSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                _ => {
+                    Box::pin(async move {
+                        let mut response = http::Response::new(
+                            tonic::body::Body::default(),
+                        );
+                        let headers = response.headers_mut();
+                        headers
+                            .insert(
+                                tonic::Status::GRPC_STATUS,
+                                (tonic::Code::Unimplemented as i32).into(),
+                            );
+                        headers
+                            .insert(
+                                http::header::CONTENT_TYPE,
+                                tonic::metadata::GRPC_CONTENT_TYPE,
+                            );
+                        Ok(response)
+                    })
+                }
+            }
+        }
+    }
+    impl<T> Clone for TrashServiceServer<T> {
+        fn clone(&self) -> Self {
+            let inner = self.inner.clone();
+            Self {
+                inner,
+                accept_compression_encodings: self.accept_compression_encodings,
+                send_compression_encodings: self.send_compression_encodings,
+                max_decoding_message_size: self.max_decoding_message_size,
+                max_encoding_message_size: self.max_encoding_message_size,
+            }
+        }
+    }
+    /// Generated gRPC service name
+    pub const SERVICE_NAME: &str = "bendtwin.v1.TrashService";
+    impl<T> tonic::server::NamedService for TrashServiceServer<T> {
+        const NAME: &'static str = SERVICE_NAME;
+    }
+}
+/// A rule. It matches what fulfils all of its conditions.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RetentionRule {
+    /// retention/{uuid}; empty for a rule of the server's configuration.
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    #[prost(string, tag = "2")]
+    pub display_name: ::prost::alloc::string::String,
+    /// captures, fits or twins
+    #[prost(string, tag = "3")]
+    pub collection: ::prost::alloc::string::String,
+    /// Only what was created at least this long ago \[days\].
+    #[prost(double, tag = "4")]
+    pub min_age_days: f64,
+    /// Only what this owner has; empty: any.
+    #[prost(string, tag = "5")]
+    pub owner: ::prost::alloc::string::String,
+    /// Only what has this tag; empty: any.
+    #[prost(string, tag = "6")]
+    pub tag: ::prost::alloc::string::String,
+    /// Only captures whose report has this verdict; empty: any.
+    #[prost(string, tag = "7")]
+    pub verdict: ::prost::alloc::string::String,
+    /// Absent for a rule of the server's configuration.
+    #[prost(message, optional, tag = "8")]
+    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct CreateRetentionRuleRequest {
+    /// 1 to 200 characters.
+    #[prost(string, tag = "1")]
+    pub display_name: ::prost::alloc::string::String,
+    /// captures, fits or twins
+    #[prost(string, tag = "2")]
+    pub collection: ::prost::alloc::string::String,
+    /// Only what was created at least this long ago \[days\], up to 36,500.
+    #[prost(double, tag = "3")]
+    pub min_age_days: f64,
+    /// Only what this owner has; empty: any.
+    #[prost(string, tag = "4")]
+    pub owner: ::prost::alloc::string::String,
+    /// Only what has this tag; empty: any.
+    #[prost(string, tag = "5")]
+    pub tag: ::prost::alloc::string::String,
+    /// Only captures whose report has this verdict; empty: any.
+    #[prost(string, tag = "6")]
+    pub verdict: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetRetentionRuleRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ListRetentionRulesRequest {}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ListRetentionRulesResponse {
+    #[prost(message, repeated, tag = "1")]
+    pub rules: ::prost::alloc::vec::Vec<RetentionRule>,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteRetentionRuleRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteRetentionRuleResponse {}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct PreviewRetentionRequest {}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PreviewRetentionResponse {
+    /// In the order of deletion: twins, fits, captures, the oldest first. What several rules match stands under the first
+    /// of them.
+    #[prost(message, repeated, tag = "1")]
+    pub outcomes: ::prost::alloc::vec::Vec<RetentionOutcome>,
+    /// True if there are more than are listed.
+    #[prost(bool, tag = "2")]
+    pub truncated: bool,
+}
+/// A resource that a rule matches.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct RetentionOutcome {
+    /// captures/{uuid}, fits/{uuid} or twins/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    #[prost(string, tag = "2")]
+    pub display_name: ::prost::alloc::string::String,
+    #[prost(string, tag = "3")]
+    pub owner: ::prost::alloc::string::String,
+    #[prost(message, optional, tag = "4")]
+    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// Size of the archive of a capture, or of a twin file; 0 for a fit \[bytes\].
+    #[prost(uint64, tag = "5")]
+    pub size_bytes: u64,
+    /// Display name of the rule.
+    #[prost(string, tag = "6")]
+    pub rule: ::prost::alloc::string::String,
+    /// Why it is kept; empty if it would be deleted.
+    #[prost(string, tag = "7")]
+    pub kept_because: ::prost::alloc::string::String,
+}
+/// Generated client implementations.
+pub mod retention_service_client {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    use tonic::codegen::http::Uri;
+    /// Rules by which the server deletes captures, fits and twins by itself. A rule moves them to the trash. All calls
+    /// need the scope `admin`.
+    #[derive(Debug, Clone)]
+    pub struct RetentionServiceClient<T> {
+        inner: tonic::client::Grpc<T>,
+    }
+    impl RetentionServiceClient<tonic::transport::Channel> {
+        /// Attempt to create a new client by connecting to a given endpoint.
+        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
+        where
+            D: TryInto<tonic::transport::Endpoint>,
+            D::Error: Into<StdError>,
+        {
+            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
+            Ok(Self::new(conn))
+        }
+    }
+    impl<T> RetentionServiceClient<T>
+    where
+        T: tonic::client::GrpcService<tonic::body::Body>,
+        T::Error: Into<StdError>,
+        T::ResponseBody: Body<Data = Bytes> + std::marker::Send + 'static,
+        <T::ResponseBody as Body>::Error: Into<StdError> + std::marker::Send,
+    {
+        pub fn new(inner: T) -> Self {
+            let inner = tonic::client::Grpc::new(inner);
+            Self { inner }
+        }
+        pub fn with_origin(inner: T, origin: Uri) -> Self {
+            let inner = tonic::client::Grpc::with_origin(inner, origin);
+            Self { inner }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> RetentionServiceClient<InterceptedService<T, F>>
+        where
+            F: tonic::service::Interceptor,
+            T::ResponseBody: Default,
+            T: tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+                Response = http::Response<
+                    <T as tonic::client::GrpcService<tonic::body::Body>>::ResponseBody,
+                >,
+            >,
+            <T as tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+            >>::Error: Into<StdError> + std::marker::Send + std::marker::Sync,
+        {
+            RetentionServiceClient::new(InterceptedService::new(inner, interceptor))
+        }
+        /// Compress requests with the given encoding.
+        ///
+        /// This requires the server to support it otherwise it might respond with an
+        /// error.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.send_compressed(encoding);
+            self
+        }
+        /// Enable decompressing responses.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.accept_compressed(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_decoding_message_size(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_encoding_message_size(limit);
+            self
+        }
+        pub async fn create_retention_rule(
+            &mut self,
+            request: impl tonic::IntoRequest<super::CreateRetentionRuleRequest>,
+        ) -> std::result::Result<tonic::Response<super::RetentionRule>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.RetentionService/CreateRetentionRule",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new(
+                        "bendtwin.v1.RetentionService",
+                        "CreateRetentionRule",
+                    ),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        pub async fn get_retention_rule(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetRetentionRuleRequest>,
+        ) -> std::result::Result<tonic::Response<super::RetentionRule>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.RetentionService/GetRetentionRule",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.RetentionService", "GetRetentionRule"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        /// All rules, those of the server's configuration first.
+        pub async fn list_retention_rules(
+            &mut self,
+            request: impl tonic::IntoRequest<super::ListRetentionRulesRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListRetentionRulesResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.RetentionService/ListRetentionRules",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.RetentionService", "ListRetentionRules"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        /// Rules of the server's configuration cannot be deleted.
+        pub async fn delete_retention_rule(
+            &mut self,
+            request: impl tonic::IntoRequest<super::DeleteRetentionRuleRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::DeleteRetentionRuleResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.RetentionService/DeleteRetentionRule",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new(
+                        "bendtwin.v1.RetentionService",
+                        "DeleteRetentionRule",
+                    ),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        /// What the rules would delete now, and what matches a rule but is kept, with the reason. Changes nothing.
+        pub async fn preview_retention(
+            &mut self,
+            request: impl tonic::IntoRequest<super::PreviewRetentionRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::PreviewRetentionResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.RetentionService/PreviewRetention",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.RetentionService", "PreviewRetention"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+    }
+}
+/// Generated server implementations.
+pub mod retention_service_server {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    /// Generated trait containing gRPC methods that should be implemented for use with RetentionServiceServer.
+    #[async_trait]
+    pub trait RetentionService: std::marker::Send + std::marker::Sync + 'static {
+        async fn create_retention_rule(
+            &self,
+            request: tonic::Request<super::CreateRetentionRuleRequest>,
+        ) -> std::result::Result<tonic::Response<super::RetentionRule>, tonic::Status>;
+        async fn get_retention_rule(
+            &self,
+            request: tonic::Request<super::GetRetentionRuleRequest>,
+        ) -> std::result::Result<tonic::Response<super::RetentionRule>, tonic::Status>;
+        /// All rules, those of the server's configuration first.
+        async fn list_retention_rules(
+            &self,
+            request: tonic::Request<super::ListRetentionRulesRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::ListRetentionRulesResponse>,
+            tonic::Status,
+        >;
+        /// Rules of the server's configuration cannot be deleted.
+        async fn delete_retention_rule(
+            &self,
+            request: tonic::Request<super::DeleteRetentionRuleRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::DeleteRetentionRuleResponse>,
+            tonic::Status,
+        >;
+        /// What the rules would delete now, and what matches a rule but is kept, with the reason. Changes nothing.
+        async fn preview_retention(
+            &self,
+            request: tonic::Request<super::PreviewRetentionRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::PreviewRetentionResponse>,
+            tonic::Status,
+        >;
+    }
+    /// Rules by which the server deletes captures, fits and twins by itself. A rule moves them to the trash. All calls
+    /// need the scope `admin`.
+    #[derive(Debug)]
+    pub struct RetentionServiceServer<T> {
+        inner: Arc<T>,
+        accept_compression_encodings: EnabledCompressionEncodings,
+        send_compression_encodings: EnabledCompressionEncodings,
+        max_decoding_message_size: Option<usize>,
+        max_encoding_message_size: Option<usize>,
+    }
+    impl<T> RetentionServiceServer<T> {
+        pub fn new(inner: T) -> Self {
+            Self::from_arc(Arc::new(inner))
+        }
+        pub fn from_arc(inner: Arc<T>) -> Self {
+            Self {
+                inner,
+                accept_compression_encodings: Default::default(),
+                send_compression_encodings: Default::default(),
+                max_decoding_message_size: None,
+                max_encoding_message_size: None,
+            }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> InterceptedService<Self, F>
+        where
+            F: tonic::service::Interceptor,
+        {
+            InterceptedService::new(Self::new(inner), interceptor)
+        }
+        /// Enable decompressing requests with the given encoding.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.accept_compression_encodings.enable(encoding);
+            self
+        }
+        /// Compress responses with the given encoding, if the client supports it.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.send_compression_encodings.enable(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.max_decoding_message_size = Some(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.max_encoding_message_size = Some(limit);
+            self
+        }
+    }
+    impl<T, B> tonic::codegen::Service<http::Request<B>> for RetentionServiceServer<T>
+    where
+        T: RetentionService,
+        B: Body + std::marker::Send + 'static,
+        B::Error: Into<StdError> + std::marker::Send + 'static,
+    {
+        type Response = http::Response<tonic::body::Body>;
+        type Error = std::convert::Infallible;
+        type Future = BoxFuture<Self::Response, Self::Error>;
+        fn poll_ready(
+            &mut self,
+            _cx: &mut Context<'_>,
+        ) -> Poll<std::result::Result<(), Self::Error>> {
+            Poll::Ready(Ok(()))
+        }
+        fn call(&mut self, req: http::Request<B>) -> Self::Future {
+            match req.uri().path() {
+                "/bendtwin.v1.RetentionService/CreateRetentionRule" => {
+                    #[allow(non_camel_case_types)]
+                    struct CreateRetentionRuleSvc<T: RetentionService>(pub Arc<T>);
+                    impl<
+                        T: RetentionService,
+                    > tonic::server::UnaryService<super::CreateRetentionRuleRequest>
+                    for CreateRetentionRuleSvc<T> {
+                        type Response = super::RetentionRule;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::CreateRetentionRuleRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as RetentionService>::create_retention_rule(
+                                        &inner,
+                                        request,
+                                    )
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = CreateRetentionRuleSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.RetentionService/GetRetentionRule" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetRetentionRuleSvc<T: RetentionService>(pub Arc<T>);
+                    impl<
+                        T: RetentionService,
+                    > tonic::server::UnaryService<super::GetRetentionRuleRequest>
+                    for GetRetentionRuleSvc<T> {
+                        type Response = super::RetentionRule;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetRetentionRuleRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as RetentionService>::get_retention_rule(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetRetentionRuleSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.RetentionService/ListRetentionRules" => {
+                    #[allow(non_camel_case_types)]
+                    struct ListRetentionRulesSvc<T: RetentionService>(pub Arc<T>);
+                    impl<
+                        T: RetentionService,
+                    > tonic::server::UnaryService<super::ListRetentionRulesRequest>
+                    for ListRetentionRulesSvc<T> {
+                        type Response = super::ListRetentionRulesResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::ListRetentionRulesRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as RetentionService>::list_retention_rules(
+                                        &inner,
+                                        request,
+                                    )
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = ListRetentionRulesSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.RetentionService/DeleteRetentionRule" => {
+                    #[allow(non_camel_case_types)]
+                    struct DeleteRetentionRuleSvc<T: RetentionService>(pub Arc<T>);
+                    impl<
+                        T: RetentionService,
+                    > tonic::server::UnaryService<super::DeleteRetentionRuleRequest>
+                    for DeleteRetentionRuleSvc<T> {
+                        type Response = super::DeleteRetentionRuleResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::DeleteRetentionRuleRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as RetentionService>::delete_retention_rule(
+                                        &inner,
+                                        request,
+                                    )
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = DeleteRetentionRuleSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.RetentionService/PreviewRetention" => {
+                    #[allow(non_camel_case_types)]
+                    struct PreviewRetentionSvc<T: RetentionService>(pub Arc<T>);
+                    impl<
+                        T: RetentionService,
+                    > tonic::server::UnaryService<super::PreviewRetentionRequest>
+                    for PreviewRetentionSvc<T> {
+                        type Response = super::PreviewRetentionResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::PreviewRetentionRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as RetentionService>::preview_retention(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = PreviewRetentionSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                _ => {
+                    Box::pin(async move {
+                        let mut response = http::Response::new(
+                            tonic::body::Body::default(),
+                        );
+                        let headers = response.headers_mut();
+                        headers
+                            .insert(
+                                tonic::Status::GRPC_STATUS,
+                                (tonic::Code::Unimplemented as i32).into(),
+                            );
+                        headers
+                            .insert(
+                                http::header::CONTENT_TYPE,
+                                tonic::metadata::GRPC_CONTENT_TYPE,
+                            );
+                        Ok(response)
+                    })
+                }
+            }
+        }
+    }
+    impl<T> Clone for RetentionServiceServer<T> {
+        fn clone(&self) -> Self {
+            let inner = self.inner.clone();
+            Self {
+                inner,
+                accept_compression_encodings: self.accept_compression_encodings,
+                send_compression_encodings: self.send_compression_encodings,
+                max_decoding_message_size: self.max_decoding_message_size,
+                max_encoding_message_size: self.max_encoding_message_size,
+            }
+        }
+    }
+    /// Generated gRPC service name
+    pub const SERVICE_NAME: &str = "bendtwin.v1.RetentionService";
+    impl<T> tonic::server::NamedService for RetentionServiceServer<T> {
         const NAME: &'static str = SERVICE_NAME;
     }
 }

@@ -747,19 +747,21 @@ written!(crate::v1::UpdateCaptureRequest);
 
 impl Fields for crate::v1::DeleteCaptureRequest {
     const NAME: &'static str = "DeleteCaptureRequest";
-    const FIELDS: &'static [&'static str] = &[];
+    const FIELDS: &'static [&'static str] = &["purge"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
-            
+            0 => { self.purge = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
             _ => {}
         }
         Ok(())
     }
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        
+        map.serialize_entry("purge", &self.purge)?;
+
         Ok(())
     }
 }
@@ -1125,19 +1127,21 @@ written!(crate::v1::CancelFitRequest);
 
 impl Fields for crate::v1::DeleteFitRequest {
     const NAME: &'static str = "DeleteFitRequest";
-    const FIELDS: &'static [&'static str] = &[];
+    const FIELDS: &'static [&'static str] = &["purge"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
-            
+            0 => { self.purge = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
             _ => {}
         }
         Ok(())
     }
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        
+        map.serialize_entry("purge", &self.purge)?;
+
         Ok(())
     }
 }
@@ -1503,19 +1507,21 @@ written!(crate::v1::UpdateTwinRequest);
 
 impl Fields for crate::v1::DeleteTwinRequest {
     const NAME: &'static str = "DeleteTwinRequest";
-    const FIELDS: &'static [&'static str] = &[];
+    const FIELDS: &'static [&'static str] = &["purge"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
-            
+            0 => { self.purge = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
             _ => {}
         }
         Ok(())
     }
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
-        
+        map.serialize_entry("purge", &self.purge)?;
+
         Ok(())
     }
 }
@@ -1540,6 +1546,500 @@ impl Fields for crate::v1::DeleteTwinResponse {
     }
 }
 written!(crate::v1::DeleteTwinResponse);
+
+impl Fields for crate::v1::TrashedResource {
+    const NAME: &'static str = "TrashedResource";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "create_time", "delete_time", "purge_time", "deleted_by", "size_bytes"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.create_time = time(map)?; }
+4 => { self.delete_time = time(map)?; }
+5 => { self.purge_time = time(map)?; }
+6 => { self.deleted_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.size_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("delete_time", &Time(self.delete_time.unwrap_or_default()))?;
+map.serialize_entry("purge_time", &Time(self.purge_time.unwrap_or_default()))?;
+map.serialize_entry("deleted_by", &self.deleted_by)?;
+map.serialize_entry("size_bytes", &self.size_bytes)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::TrashedResource);
+
+impl Fields for crate::v1::ListTrashedCapturesRequest {
+    const NAME: &'static str = "ListTrashedCapturesRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListTrashedCapturesRequest);
+
+impl Fields for crate::v1::ListTrashedCapturesResponse {
+    const NAME: &'static str = "ListTrashedCapturesResponse";
+    const FIELDS: &'static [&'static str] = &["resources", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.resources = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "resources", &self.resources, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListTrashedCapturesResponse);
+
+impl Fields for crate::v1::UndeleteCaptureRequest {
+    const NAME: &'static str = "UndeleteCaptureRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::UndeleteCaptureRequest);
+
+impl Fields for crate::v1::ListTrashedFitsRequest {
+    const NAME: &'static str = "ListTrashedFitsRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListTrashedFitsRequest);
+
+impl Fields for crate::v1::ListTrashedFitsResponse {
+    const NAME: &'static str = "ListTrashedFitsResponse";
+    const FIELDS: &'static [&'static str] = &["resources", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.resources = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "resources", &self.resources, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListTrashedFitsResponse);
+
+impl Fields for crate::v1::UndeleteFitRequest {
+    const NAME: &'static str = "UndeleteFitRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::UndeleteFitRequest);
+
+impl Fields for crate::v1::ListTrashedTwinsRequest {
+    const NAME: &'static str = "ListTrashedTwinsRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "owner"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+map.serialize_entry("owner", &self.owner)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListTrashedTwinsRequest);
+
+impl Fields for crate::v1::ListTrashedTwinsResponse {
+    const NAME: &'static str = "ListTrashedTwinsResponse";
+    const FIELDS: &'static [&'static str] = &["resources", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.resources = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "resources", &self.resources, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListTrashedTwinsResponse);
+
+impl Fields for crate::v1::UndeleteTwinRequest {
+    const NAME: &'static str = "UndeleteTwinRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::UndeleteTwinRequest);
+
+impl Fields for crate::v1::RetentionRule {
+    const NAME: &'static str = "RetentionRule";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "collection", "min_age_days", "owner", "tag", "verdict", "create_time"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.collection = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.min_age_days = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.verdict = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.create_time = time(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &filled(&self.name))?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("collection", &self.collection)?;
+map.serialize_entry("min_age_days", &self.min_age_days)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("tag", &self.tag)?;
+map.serialize_entry("verdict", &self.verdict)?;
+map.serialize_entry("create_time", &self.create_time.map(Time))?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::RetentionRule);
+
+impl Fields for crate::v1::CreateRetentionRuleRequest {
+    const NAME: &'static str = "CreateRetentionRuleRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "collection", "min_age_days", "owner", "tag", "verdict"];
+    const REQUIRED: &'static [&'static str] = &["display_name", "collection", "min_age_days"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.collection = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.min_age_days = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.verdict = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("collection", &self.collection)?;
+map.serialize_entry("min_age_days", &self.min_age_days)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("tag", &self.tag)?;
+map.serialize_entry("verdict", &self.verdict)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::CreateRetentionRuleRequest);
+
+impl Fields for crate::v1::GetRetentionRuleRequest {
+    const NAME: &'static str = "GetRetentionRuleRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetRetentionRuleRequest);
+
+impl Fields for crate::v1::ListRetentionRulesRequest {
+    const NAME: &'static str = "ListRetentionRulesRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::ListRetentionRulesRequest);
+
+impl Fields for crate::v1::ListRetentionRulesResponse {
+    const NAME: &'static str = "ListRetentionRulesResponse";
+    const FIELDS: &'static [&'static str] = &["rules"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rules = messages(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "rules", &self.rules, tensors)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListRetentionRulesResponse);
+
+impl Fields for crate::v1::DeleteRetentionRuleRequest {
+    const NAME: &'static str = "DeleteRetentionRuleRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteRetentionRuleRequest);
+
+impl Fields for crate::v1::DeleteRetentionRuleResponse {
+    const NAME: &'static str = "DeleteRetentionRuleResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteRetentionRuleResponse);
+
+impl Fields for crate::v1::PreviewRetentionRequest {
+    const NAME: &'static str = "PreviewRetentionRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::PreviewRetentionRequest);
+
+impl Fields for crate::v1::PreviewRetentionResponse {
+    const NAME: &'static str = "PreviewRetentionResponse";
+    const FIELDS: &'static [&'static str] = &["outcomes", "truncated"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.outcomes = messages(map)?; }
+1 => { self.truncated = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "outcomes", &self.outcomes, tensors)?;
+map.serialize_entry("truncated", &self.truncated)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::PreviewRetentionResponse);
+
+impl Fields for crate::v1::RetentionOutcome {
+    const NAME: &'static str = "RetentionOutcome";
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "create_time", "size_bytes", "rule", "kept_because"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.create_time = time(map)?; }
+4 => { self.size_bytes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.rule = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.kept_because = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("size_bytes", &self.size_bytes)?;
+map.serialize_entry("rule", &self.rule)?;
+map.serialize_entry("kept_because", &self.kept_because)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::RetentionOutcome);
 
 impl Fields for crate::v1::Worker {
     const NAME: &'static str = "Worker";

@@ -22,7 +22,7 @@ const PROTOBUF: &str = "application/x-protobuf";
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
 
 /// Tags by service.
-const TAGS: [(&str, &str); 12] = [
+const TAGS: [(&str, &str); 14] = [
     ("CaptureService", "captures"),
     ("FitService", "fits"),
     ("TwinService", "twins"),
@@ -31,6 +31,8 @@ const TAGS: [(&str, &str); 12] = [
     ("EvaluationService", "twins"),
     ("PlanningService", "plans"),
     ("SessionService", "sessions"),
+    ("TrashService", "trash"),
+    ("RetentionService", "retention"),
     ("KeyService", "keys"),
     ("ProjectService", "projects"),
     ("UsageService", "usage"),
@@ -146,8 +148,13 @@ fn described(contract: &Contract) -> impl Iterator<Item = (&Rpc, &Route)> {
     all.filter(|(_, route)| !route.by_hand)
 }
 
+/// True if the fields of a request are in the query.
+fn has_query(route: &Route) -> bool {
+    matches!(route.method.as_str(), "GET" | "DELETE")
+}
+
 fn has_body(contract: &Contract, rpc: &Rpc, route: &Route) -> bool {
-    route.method != "GET" && !contract.shown(&rpc.input).is_empty()
+    !has_query(route) && !contract.shown(&rpc.input).is_empty()
 }
 
 fn operation(contract: &Contract, comments: &Comments, rpc: &Rpc, route: &Route) -> Value {
@@ -159,7 +166,7 @@ fn operation(contract: &Contract, comments: &Comments, rpc: &Rpc, route: &Route)
         "description": comments.of_rpc(rpc),
     });
     let mut parameters = Vec::new();
-    if route.method == "GET" {
+    if has_query(route) {
         let fields = contract.shown(&rpc.input);
         parameters.extend(fields.iter().map(|f| parameter(contract, comments, f)));
     }

@@ -52,7 +52,7 @@ fn route(contract: &Contract, rpc: &Rpc, route: &Route) -> String {
 fn messages(contract: &Contract, rpc: &Rpc, route: &Route) -> String {
     let source = match (contract.shown(&rpc.input).is_empty(), route.method.as_str()) {
         (true, _) => "Nothing",
-        (false, "GET") => "Query",
+        (false, "GET" | "DELETE") => "Query",
         (false, _) => "Body",
     };
     let request = contract.message(&rpc.input);

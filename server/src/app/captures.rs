@@ -4,7 +4,6 @@
 mod facts;
 pub(super) mod supplements;
 
-use bendtwin_core::ids::CaptureId;
 use bendtwin_proto::v1::{
     CaptureMetadata, ListCapturesRequest, SupplementMetadata, UpdateCaptureRequest,
 };
@@ -95,19 +94,6 @@ impl App {
 
     pub(crate) async fn capture_content(&self, name: &str) -> Result<(Capture, Content)> {
         Ok(self.store.captures().content(self.reach(Scope::CapturesRead, name).await?).await?)
-    }
-
-    pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
-        let done: Result<()> = async {
-            let id: CaptureId = self.reach(Scope::CapturesWrite, name).await?;
-            let store = self.store.clone();
-            self.change(async move { store.captures().delete(id).await }).await?;
-            tracing::info!(capture = %id, "capture deleted");
-            Ok(())
-        }
-        .await;
-        audit::changed("DeleteCapture", name, &done);
-        done
     }
 
     /// Adds a file to a capture, or replaces the one of its kind.

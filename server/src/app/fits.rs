@@ -176,17 +176,6 @@ impl App {
         audit::changed("CancelFit", name, &done);
         done
     }
-
-    pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
-        let done: Result<()> = async {
-            let id: FitId = self.reach(Scope::FitsWrite, name).await?;
-            let store = self.store.clone();
-            self.change(async move { store.jobs().delete(id).await }).await
-        }
-        .await;
-        audit::changed("DeleteFit", name, &done);
-        done
-    }
 }
 
 /// The part of a capture's report that gives its size.

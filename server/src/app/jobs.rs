@@ -10,8 +10,9 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Claimant, Content, Digest, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
-    Observation, Reported, Supplement, SupplementKind, Turns, TwinFacts, WorkerEnd,
+    AttemptEnd, Capture, Claimant, Content, Digest, Error as StoreError, Job, JobId, JobReport,
+    Kind, Lease, LeaseTerms, Observation, Reported, Supplement, SupplementKind, Turns, TwinFacts,
+    WorkerEnd,
 };
 
 use super::{App, Body, Error, Result, captures::supplements, receive::Receiving};
@@ -132,7 +133,17 @@ impl App {
         // its registration was dropped before its leases were.
         self.require_known(worker).await?;
         let captures = self.store.captures();
-        let capture = captures.get(job.capture).await?;
+        let capture = match captures.get(job.capture).await {
+            // A server of a version without a trash queued it.
+            Err(StoreError::InTrash { .. }) => {
+                guard.lease = None;
+                if let Some(lease) = job.lease() {
+                    jobs.end_attempt(lease, AttemptEnd::Cancelled).await?;
+                }
+                return Ok(Offer::Nothing);
+            }
+            capture => capture?,
+        };
         let observation = captures.observation(job.capture).await?;
         let (supplements, masks) = match kind {
             Kind::Ingest => {

@@ -6,12 +6,14 @@
 use std::{fmt::Display, str::FromStr, sync::Arc};
 
 use bendtwin_core::ids::{
-    CaptureId, FitId, InvalidName, KeyId, PlayId, ProjectId, SessionId, TwinId, UploadId, WorkerId,
+    CaptureId, FitId, InvalidName, KeyId, PlayId, ProjectId, RetentionId, SessionId, TwinId,
+    UploadId, WorkerId,
 };
 use bendtwin_proto::v1::{
     InitialState, RollOutRequest,
     initial_state::{CaptureFrame, SessionSlots, State},
 };
+use bendtwin_store::Error as StoreError;
 
 use super::{App, Error, Result};
 use crate::{access::Scope, context::Context};
@@ -31,6 +33,7 @@ pub(crate) trait Ownerless: FromStr<Err = InvalidName> {}
 impl Ownerless for KeyId {}
 impl Ownerless for WorkerId {}
 impl Ownerless for ProjectId {}
+impl Ownerless for RetentionId {}
 
 impl Owned for CaptureId {
     async fn owner(self, app: &App) -> Result<Arc<str>> {
@@ -46,7 +49,13 @@ impl Owned for FitId {
 
 impl Owned for TwinId {
     async fn owner(self, app: &App) -> Result<Arc<str>> {
-        app.dispatch.twin_owner(self).await
+        match app.dispatch.twin_owner(self).await {
+            // It may be restored, or purged.
+            Err(Error::Store(StoreError::InTrash { .. })) => {
+                Ok(app.store.owners().of_twin(self).await?.into())
+            }
+            owner => owner,
+        }
     }
 }
 

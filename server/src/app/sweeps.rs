@@ -1,5 +1,6 @@
-//! The work that a server repeats by itself: leases end, uploads expire, unused content goes, uses
-//! of keys are recorded, sizes are filled in, and certificates are read again.
+//! The work that a server repeats by itself: leases end, uploads expire, unused content goes, the trash
+//! is emptied, rules delete, uses of keys are recorded, sizes are filled in, and certificates are read
+//! again.
 
 use std::time::Duration;
 
@@ -17,6 +18,10 @@ const LEASE_INTERVAL: Duration = Duration::from_secs(1);
 /// Longest interval at which expired uploads, and those that a crash left complete, are searched
 /// for.
 const UPLOAD_INTERVAL: Duration = Duration::from_secs(60);
+/// Longest interval at which the trash is searched for what is due.
+const TRASH_INTERVAL: Duration = Duration::from_secs(60);
+/// Longest time from the start to the first application of rules of retention.
+const FIRST_RETENTION: Duration = Duration::from_secs(60);
 /// Interval at which the last uses of keys are recorded.
 const KEY_USE_INTERVAL: Duration = Duration::from_secs(30);
 /// Interval at which unused content is searched for, which the store also does when it opens, and rows
@@ -25,7 +30,7 @@ const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 
 /// The tasks.
 #[derive(Debug)]
-pub(crate) struct Sweeps([JoinHandle<()>; 5]);
+pub(crate) struct Sweeps([JoinHandle<()>; 7]);
 
 impl Sweeps {
     pub(crate) fn start(app: &App) -> Self {
@@ -36,6 +41,8 @@ impl Sweeps {
             tokio::spawn(key_uses(app.clone())),
             tokio::spawn(members(app.clone())),
             tokio::spawn(sizes(app.clone())),
+            tokio::spawn(trash(app.clone())),
+            tokio::spawn(retention(app.clone())),
         ])
     }
 
@@ -117,6 +124,37 @@ async fn sizes(app: App) {
             Ok(0) => {}
             Ok(rows) => tracing::info!(rows, "sizes of what is stored filled in"),
             Err(error) => tracing::error!(%error, "cannot fill in sizes; trying again"),
+        }
+    }
+}
+
+/// Purges what is due in the trash, at intervals and when the disk is short of space.
+async fn trash(app: App) {
+    // One where everything goes for good may have something from before.
+    let kept = app.options.trash();
+    let every = if kept.is_zero() { TRASH_INTERVAL } else { TRASH_INTERVAL.min(kept) };
+    let mut tick = ticks(every.max(Duration::from_millis(100)));
+    loop {
+        tokio::select! {
+            _ = tick.tick() => {}
+            () = app.room_wanted() => {}
+        }
+        if let Err(error) = app.sweep_trash().await {
+            tracing::error!(%error, "cannot purge the trash; trying again");
+        }
+    }
+}
+
+/// Applies the rules of retention.
+async fn retention(app: App) {
+    let every = app.options.retention_interval();
+    // Not immediately: an administrator who made a mistake in a rule has a moment to notice.
+    let mut tick = tokio::time::interval_at(Instant::now() + every.min(FIRST_RETENTION), every);
+    tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tick.tick().await;
+        if let Err(error) = app.sweep_retention().await {
+            tracing::error!(%error, "cannot apply the rules of retention; trying again");
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Twins: read, exported, imported.
 
-use bendtwin_core::ids::TwinId;
 use bendtwin_proto::v1::TwinMetadata;
 use bendtwin_store::{Content, NewTwin, Page, Twin};
 
@@ -55,18 +54,5 @@ impl App {
 
     pub(crate) async fn twin_content(&self, name: &str) -> Result<(Twin, Content)> {
         Ok(self.store.twins().content(self.reach(Scope::TwinsRead, name).await?).await?)
-    }
-
-    pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
-        let done: Result<()> = async {
-            let id: TwinId = self.reach(Scope::TwinsWrite, name).await?;
-            let store = self.store.clone();
-            self.change(async move { store.twins().delete(id).await }).await?;
-            self.dispatch.forget_twin(id);
-            Ok(())
-        }
-        .await;
-        audit::changed("DeleteTwin", name, &done);
-        done
     }
 }

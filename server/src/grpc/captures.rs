@@ -62,7 +62,8 @@ impl CaptureService for Api {
         &self,
         request: Request<DeleteCaptureRequest>,
     ) -> Result<Response<DeleteCaptureResponse>, Status> {
-        self.app.delete_capture(&request.get_ref().name).await?;
+        let r = request.into_inner();
+        self.app.delete_capture(&r.name, r.purge).await?;
         Ok(Response::new(DeleteCaptureResponse {}))
     }
     async fn ingest_capture(

@@ -3,8 +3,8 @@
 use bendtwin_core::{ModelLoss, Progress, Stage};
 use bendtwin_proto::{json::timestamp as time, v1};
 use bendtwin_store::{
-    Job, Key, Overview, OwnerUsage, PageRequest, Project, Quotas, Requirements, State, StoredBytes,
-    Supplement, Twin,
+    Job, Key, Match, NewRule, Overview, OwnerUsage, PageRequest, Project, Quotas, Requirements,
+    Rule, State, StoredBytes, Supplement, Trashed, Twin,
 };
 use jiff::Timestamp;
 
@@ -320,5 +320,49 @@ pub(super) fn project(project: Project) -> v1::Project {
         display_name: project.display_name,
         members: project.members,
         create_time: Some(time(project.created)),
+    }
+}
+
+pub(crate) fn trashed(trashed: Trashed) -> v1::TrashedResource {
+    v1::TrashedResource {
+        name: trashed.resource.to_string(),
+        display_name: trashed.display_name,
+        owner: trashed.owner,
+        create_time: Some(time(trashed.created)),
+        delete_time: Some(time(trashed.deleted)),
+        purge_time: Some(time(trashed.purged)),
+        deleted_by: trashed.deleted_by,
+        size_bytes: trashed.size_bytes,
+    }
+}
+
+/// A rule of the configuration.
+pub(super) fn retention_conditions(conditions: NewRule) -> v1::RetentionRule {
+    v1::RetentionRule {
+        name: String::new(),
+        display_name: conditions.display_name,
+        collection: conditions.collection.name().to_owned(),
+        min_age_days: conditions.min_age.as_secs_f64() / 86_400.0,
+        owner: conditions.owner,
+        tag: conditions.tag,
+        verdict: conditions.verdict,
+        create_time: None,
+    }
+}
+
+pub(super) fn retention_rule(rule: Rule) -> v1::RetentionRule {
+    let (name, create_time) = (rule.id.to_string(), Some(time(rule.created)));
+    v1::RetentionRule { name, create_time, ..retention_conditions(rule.conditions) }
+}
+
+pub(super) fn retention_outcome(found: Match) -> v1::RetentionOutcome {
+    v1::RetentionOutcome {
+        name: found.resource.to_string(),
+        display_name: found.display_name,
+        owner: found.owner,
+        create_time: Some(time(found.created)),
+        size_bytes: found.size_bytes,
+        rule: found.rule,
+        kept_because: found.kept.map(|kept| kept.to_string()).unwrap_or_default(),
     }
 }

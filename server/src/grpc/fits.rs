@@ -84,7 +84,8 @@ impl FitService for Api {
         &self,
         request: Request<DeleteFitRequest>,
     ) -> Result<Response<DeleteFitResponse>, Status> {
-        self.app.delete_fit(&request.get_ref().name).await?;
+        let r = request.into_inner();
+        self.app.delete_fit(&r.name, r.purge).await?;
         Ok(Response::new(DeleteFitResponse {}))
     }
 

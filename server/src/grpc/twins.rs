@@ -65,7 +65,8 @@ impl TwinService for Api {
         &self,
         request: Request<DeleteTwinRequest>,
     ) -> Result<Response<DeleteTwinResponse>, Status> {
-        self.app.delete_twin(&request.get_ref().name).await?;
+        let r = request.into_inner();
+        self.app.delete_twin(&r.name, r.purge).await?;
         Ok(Response::new(DeleteTwinResponse {}))
     }
 

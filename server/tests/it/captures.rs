@@ -51,7 +51,7 @@ async fn http_round_trip() {
     assert_eq!(got.headers()["repr-digest"], declared.as_str());
     assert!(got.bytes().await.unwrap() == content);
 
-    assert_eq!(server.delete(&location).await.0, 204);
+    assert_eq!(server.purge(&location).await.0, 204);
     let (status, gone) = server.get(&location).await;
     assert_eq!((status, &gone["reason"]), (404, &json!("NOT_FOUND")));
     assert_eq!(server.blob_files(), 0);
@@ -73,7 +73,7 @@ async fn a_deleted_capture_does_not_come_back() {
     let (status, made) = read(upload("an archive".into()).await.unwrap()).await;
     assert_eq!(status, 201);
     let path = format!("/v1/{}", made["name"].as_str().unwrap());
-    assert_eq!(server.delete(&path).await.0, 204);
+    assert_eq!(server.purge(&path).await.0, 204);
     sender.try_send(Ok(b"archive")).unwrap();
     drop(sender);
     for late in [first.await.unwrap().unwrap(), upload("an archive".into()).await.unwrap()] {
@@ -142,7 +142,7 @@ async fn grpc_round_trip() {
     assert_eq!(got.into_inner(), created);
     let list = captures.list_captures(ListCapturesRequest::default()).await.unwrap().into_inner();
     assert_eq!((list.captures, list.next_page_token), (vec![created], String::new()));
-    captures.delete_capture(DeleteCaptureRequest { name }).await.unwrap();
+    captures.delete_capture(DeleteCaptureRequest { name, purge: false }).await.unwrap();
 }
 
 #[tokio::test]

@@ -70,6 +70,11 @@ impl Server {
         read(self.http.delete(self.url(path)).send().await.unwrap()).await
     }
 
+    /// Deletes a resource for good.
+    pub(crate) async fn purge(&self, path: &str) -> (u16, Value) {
+        self.delete(&format!("{path}?purge=true")).await
+    }
+
     /// Uploads a capture; returns its name.
     pub(crate) async fn capture(&self) -> String {
         let request = self.http.post(self.url("/v1/captures?display_name=rope"));

@@ -17,6 +17,7 @@ mod readiness;
 mod results;
 mod samples;
 mod simulation;
+mod trash;
 mod twins;
 mod worker;
 mod workers;

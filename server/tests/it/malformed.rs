@@ -208,7 +208,10 @@ async fn grpc_requests_get_their_codes() {
             "capture",
         );
         is(
-            captures.delete_capture(v1::DeleteCaptureRequest { name: name() }).await.unwrap_err(),
+            captures
+                .delete_capture(v1::DeleteCaptureRequest { name: name(), purge: false })
+                .await
+                .unwrap_err(),
             code,
             "capture",
         );
@@ -218,12 +221,19 @@ async fn grpc_requests_get_their_codes() {
             code,
             "cancel",
         );
-        is(fits.delete_fit(v1::DeleteFitRequest { name: name() }).await.unwrap_err(), code, "fit");
+        is(
+            fits.delete_fit(v1::DeleteFitRequest { name: name(), purge: false }).await.unwrap_err(),
+            code,
+            "fit",
+        );
         let watch = v1::WatchFitRequest { name: name(), after_revision: 0 };
         is(fits.watch_fit(watch).await.unwrap_err(), code, "watch");
         is(twins.get_twin(v1::GetTwinRequest { name: name() }).await.unwrap_err(), code, "twin");
         is(
-            twins.delete_twin(v1::DeleteTwinRequest { name: name() }).await.unwrap_err(),
+            twins
+                .delete_twin(v1::DeleteTwinRequest { name: name(), purge: false })
+                .await
+                .unwrap_err(),
             code,
             "twin",
         );

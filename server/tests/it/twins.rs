@@ -62,8 +62,8 @@ async fn a_twin_file_is_imported_listed_exported_and_deleted() {
     let list = twins.list_twins(ListTwinsRequest::default()).await.unwrap().into_inner();
     assert_eq!(list.twins.len(), 2);
     assert_eq!(server.blob_files(), 1);
-    assert_eq!(server.delete(&format!("/v1/{name}")).await.0, 204);
-    assert_eq!(server.delete(&format!("/v1/{}", copy.name)).await.0, 204);
+    assert_eq!(server.purge(&format!("/v1/{name}")).await.0, 204);
+    assert_eq!(server.purge(&format!("/v1/{}", copy.name)).await.0, 204);
     assert_eq!(server.blob_files(), 0);
 }
 

@@ -93,6 +93,7 @@ impl Fleet {
                  heartbeat_interval_s = {heartbeat:?}\n\
                  upload_start_s = 604800.0\n\
                  disk_floor_mib = 32\n\
+                 trash_s = 30.0\n\
                  memory_mib = {SERVER_MIB}\n\
                  [workers]\n\
                  count = 0\n",

@@ -74,17 +74,23 @@ impl Run {
         Some(name)
     }
 
-    /// Deletes a capture, a twin or a fit, by its name. It stays if it is in use.
-    pub(crate) async fn delete(&self, name: &str) {
+    /// Deletes a capture, a twin or a fit, by its name: for good, or to the trash. It stays if it is in
+    /// use. Returns true if the first attempt was answered with success.
+    pub(crate) async fn delete(&self, name: &str, purge: bool) -> bool {
         let http = self.http();
+        let path = format!("/v1/{name}{}", if purge { "?purge=true" } else { "" });
         self.ledger.fate(name, Fate::Leaving);
+        let mut attempts = 0;
         let answer = self.insist("a deletion", async || {
-            send(http.request(Method::DELETE, &format!("/v1/{name}"))).await
+            attempts += 1;
+            send(http.request(Method::DELETE, &path)).await
         });
         let fate = match answer.await {
             Some(Ok(_)) => Fate::Deleted,
             // An attempt before this one was carried out and not answered.
-            Some(Err(Refusal::Final(reason, _))) if reason.ends_with("NOT_FOUND") => Fate::Deleted,
+            Some(Err(refusal)) if refusal.is("NOT_FOUND") || refusal.is("IN_TRASH") => {
+                Fate::Deleted
+            }
             Some(Err(refusal)) => {
                 self.tally.log(format_args!("{name} stays: {refusal:?}"));
                 Fate::Kept
@@ -95,6 +101,37 @@ impl Run {
             self.tally.count("acknowledged: deletions");
         }
         self.ledger.fate(name, fate);
+        fate == Fate::Deleted && attempts == 1
+    }
+
+    /// Restores what was deleted by one attempt. Returns true if it is back: the first attempt was
+    /// answered with success, so that no attempt is still under way that could change its fate.
+    pub(crate) async fn restore(&self, name: &str) -> bool {
+        let http = self.http();
+        self.ledger.fate(name, Fate::Leaving);
+        let mut attempts = 0;
+        let answer = self.insist("a restoration", async || {
+            attempts += 1;
+            send(http.request(Method::POST, &format!("/v1/{name}/undelete"))).await
+        });
+        let fate = match answer.await {
+            Some(Ok(_)) if attempts == 1 => Fate::Kept,
+            // It was purged, when it was due or for the disk.
+            Some(Err(refusal)) if attempts == 1 && refusal.is("NOT_FOUND") => Fate::Deleted,
+            Some(Err(refusal)) if !refusal.is("NOT_FOUND") => {
+                let case = format_args!("a restoration of {name}: {refusal:?}");
+                self.tally.broken("honest calls are not refused", case);
+                Fate::Leaving
+            }
+            _ => Fate::Leaving,
+        };
+        match fate {
+            Fate::Kept => self.tally.count("acknowledged: restorations"),
+            Fate::Deleted => self.tally.count("honest calls: restorations that came too late"),
+            Fate::Leaving => {}
+        }
+        self.ledger.fate(name, fate);
+        fate == Fate::Kept
     }
 
     /// Content over HTTP.

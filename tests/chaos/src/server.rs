@@ -55,6 +55,7 @@ impl Server {
              heartbeat_interval_s = {heartbeat:?}\n\
              upload_start_s = 604800.0\n\
              disk_floor_mib = 32\n\
+             trash_s = 30.0\n\
              memory_mib = {SERVER_MIB}\n\
              [workers]\n\
              count = {WORKERS}\n\

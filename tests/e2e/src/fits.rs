@@ -82,16 +82,20 @@ async fn a_running_fit_is_cancelled() {
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, ENDLESS, 0).await.unwrap();
     api.fit_when(&fit.name, "running", STATE, running).await;
-    let refused = api.fits().delete_fit(DeleteFitRequest { name: fit.name.clone() }).await;
+    let refused =
+        api.fits().delete_fit(DeleteFitRequest { name: fit.name.clone(), purge: false }).await;
     assert_eq!(refused.unwrap_err().code(), Code::FailedPrecondition);
-    let refused = api.captures().delete_capture(DeleteCaptureRequest { name: capture.name }).await;
+    let refused = api
+        .captures()
+        .delete_capture(DeleteCaptureRequest { name: capture.name, purge: false })
+        .await;
     assert_eq!(refused.unwrap_err().code(), Code::FailedPrecondition);
 
     api.cancel(&fit.name).await.unwrap();
     let fit = api.fit_when(&fit.name, "cancelled", STATE, has_ended).await;
     assert_eq!(fit.state(), State::Cancelled, "{:?}", fit.job);
     assert_eq!(api.cancel(&fit.name).await.unwrap().state(), State::Cancelled);
-    api.fits().delete_fit(DeleteFitRequest { name: fit.name.clone() }).await.unwrap();
+    api.fits().delete_fit(DeleteFitRequest { name: fit.name.clone(), purge: false }).await.unwrap();
     assert_eq!(api.get_fit(&fit.name).await.unwrap_err().code(), Code::NotFound);
 }
 

@@ -1,5 +1,5 @@
 //! Operation of a server and of a fleet by an administrator: databases, buckets, certificates, access,
-//! upgrades, traces, backup and repair.
+//! upgrades, traces, the trash, backup and repair.
 
 mod doctor;
 mod fleet;
@@ -12,5 +12,6 @@ mod revocation;
 mod stores;
 mod tls_terminator;
 mod traces;
+mod trash;
 mod turns;
 mod upgrades;

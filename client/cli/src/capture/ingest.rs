@@ -8,7 +8,7 @@ use bendtwin_core::settings::ingest::Stage;
 use clap::{Args, ValueEnum};
 
 use super::{reading::follow, strokes::StrokeArgs};
-use crate::{failure::Usage, global::Global, output, requirements::RequirementArgs};
+use crate::{args::requirements::RequirementArgs, failure::Usage, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(crate) struct IngestArgs {

@@ -17,7 +17,9 @@ use super::{
     check::{check_locally, text},
     reading::follow,
 };
-use crate::{failure, global::Global, output, progress, requirements::RequirementArgs, signals};
+use crate::{
+    args::requirements::RequirementArgs, failure, global::Global, output, progress, signals,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {

@@ -4,7 +4,7 @@ use bendtwin_client::{CaptureId, FitOrder, TwinId};
 use clap::Args;
 
 use super::{ended_well, print_ended, watch_here};
-use crate::{global::Global, output, requirements::RequirementArgs, settings::SettingsArgs};
+use crate::{args::requirements::RequirementArgs, global::Global, output, settings::SettingsArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct Start {

@@ -37,6 +37,7 @@ from bendtwin.resources import (
     SessionInfo,
     StoredBytes,
     Supplement,
+    Trashed,
     TwinInfo,
     Worker,
 )
@@ -175,6 +176,7 @@ __all__ = [
     "TargetCloud",
     "Timing",
     "Tracking",
+    "Trashed",
     "Twin",
     "TwinInfo",
     "Vary",

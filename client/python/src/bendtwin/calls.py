@@ -35,6 +35,7 @@ from bendtwin.resources import (
     Project,
     OwnerUsage,
     Requirements,
+    Trashed,
     TwinInfo,
     Worker,
 )
@@ -55,6 +56,8 @@ from bendtwin.v1 import (
     rollout_pb2,
     rollout_pb2_grpc,
     session_pb2_grpc,
+    trash_pb2,
+    trash_pb2_grpc,
     twin_pb2,
     twin_pb2_grpc,
     usage_pb2,
@@ -89,6 +92,7 @@ class Services:
         self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
         self.evaluations = evaluation_pb2_grpc.EvaluationServiceStub(channel)
         self.sessions = session_pb2_grpc.SessionServiceStub(channel)
+        self.trash = trash_pb2_grpc.TrashServiceStub(channel)
         self.planning = planning_pb2_grpc.PlanningServiceStub(channel)
 
 
@@ -195,9 +199,9 @@ def update_capture(name: str, change: CaptureLabelArguments) -> Call[Capture]:
     return Call(lambda s: s.captures.UpdateCapture, request, Capture.from_proto)
 
 
-def delete_capture(name: str) -> Call[None]:
+def delete_capture(name: str, purge: bool) -> Call[None]:
     """Deletes a capture."""
-    request = capture_pb2.DeleteCaptureRequest(name=name)
+    request = capture_pb2.DeleteCaptureRequest(name=name, purge=purge)
     return Call(lambda s: s.captures.DeleteCapture, request, _nothing)
 
 
@@ -342,9 +346,10 @@ def cancel_fit(name: str) -> Call[Fit]:
     return Call(lambda s: s.fits.CancelFit, fit_pb2.CancelFitRequest(name=name), Fit.from_proto)
 
 
-def delete_fit(name: str) -> Call[None]:
+def delete_fit(name: str, purge: bool) -> Call[None]:
     """Deletes a fit."""
-    return Call(lambda s: s.fits.DeleteFit, fit_pb2.DeleteFitRequest(name=name), _nothing)
+    request = fit_pb2.DeleteFitRequest(name=name, purge=purge)
+    return Call(lambda s: s.fits.DeleteFit, request, _nothing)
 
 
 def watch_fit(name: str) -> Watched[Fit]:
@@ -407,9 +412,10 @@ def update_twin(name: str, change: LabelArguments) -> Call[TwinInfo]:
     return Call(lambda s: s.twins.UpdateTwin, request, TwinInfo.from_proto)
 
 
-def delete_twin(name: str) -> Call[None]:
+def delete_twin(name: str, purge: bool) -> Call[None]:
     """Deletes a twin."""
-    return Call(lambda s: s.twins.DeleteTwin, twin_pb2.DeleteTwinRequest(name=name), _nothing)
+    request = twin_pb2.DeleteTwinRequest(name=name, purge=purge)
+    return Call(lambda s: s.twins.DeleteTwin, request, _nothing)
 
 
 def evaluate_twin(twin: str, capture: str) -> Call[dict[str, Any]]:
@@ -461,6 +467,45 @@ def read_rollout(reply: Any) -> RolloutResult:
 def plan(request: planning_pb2.PlanRequest) -> Call[PlanUpdate]:
     """A plan, in updates."""
     return Call(lambda s: s.planning.Plan, request, PlanUpdate.from_proto)
+
+
+# Trash
+
+
+def list_trashed_captures(owner: str) -> Pages[Trashed]:
+    """Deleted captures."""
+    request = trash_pb2.ListTrashedCapturesRequest(owner=owner)
+    return Pages(lambda s: s.trash.ListTrashedCaptures, request, _trashed)
+
+
+def list_trashed_fits(owner: str) -> Pages[Trashed]:
+    """Deleted fits."""
+    request = trash_pb2.ListTrashedFitsRequest(owner=owner)
+    return Pages(lambda s: s.trash.ListTrashedFits, request, _trashed)
+
+
+def list_trashed_twins(owner: str) -> Pages[Trashed]:
+    """Deleted twins."""
+    request = trash_pb2.ListTrashedTwinsRequest(owner=owner)
+    return Pages(lambda s: s.trash.ListTrashedTwins, request, _trashed)
+
+
+def restore_capture(name: str) -> Call[Capture]:
+    """Restores a deleted capture."""
+    request = trash_pb2.UndeleteCaptureRequest(name=name)
+    return Call(lambda s: s.trash.UndeleteCapture, request, Capture.from_proto)
+
+
+def restore_fit(name: str) -> Call[Fit]:
+    """Restores a deleted fit."""
+    request = trash_pb2.UndeleteFitRequest(name=name)
+    return Call(lambda s: s.trash.UndeleteFit, request, Fit.from_proto)
+
+
+def restore_twin(name: str) -> Call[TwinInfo]:
+    """Restores a deleted twin."""
+    request = trash_pb2.UndeleteTwinRequest(name=name)
+    return Call(lambda s: s.trash.UndeleteTwin, request, TwinInfo.from_proto)
 
 
 # Workers
@@ -544,6 +589,10 @@ def list_owner_usage() -> Pages[OwnerUsage]:
         usage_pb2.ListOwnerUsageRequest(),
         lambda page: [OwnerUsage.from_proto(owner) for owner in page.owners],
     )
+
+
+def _trashed(page: Any) -> list[Trashed]:
+    return [Trashed.from_proto(resource) for resource in page.resources]
 
 
 def _chunk(part: Any) -> bytes:

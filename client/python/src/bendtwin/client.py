@@ -34,6 +34,7 @@ from bendtwin.resources import (
     Project,
     OwnerUsage,
     Requirements,
+    Trashed,
     TwinInfo,
     Worker,
 )
@@ -171,9 +172,9 @@ class Client:
         """Changes what is stated about a capture; omitted facts stay."""
         return self._caller.run(calls.update_capture(name, change))
 
-    def delete_capture(self, name: str) -> None:
-        """Deletes a capture; its twins are kept."""
-        self._caller.run(calls.delete_capture(name))
+    def delete_capture(self, name: str, *, purge: bool = False) -> None:
+        """Moves a capture to the trash, or deletes it for good; its twins are kept."""
+        self._caller.run(calls.delete_capture(name, purge))
 
     # Adding to captures
 
@@ -323,9 +324,9 @@ class Client:
         """Asks a fit to stop; an ended fit is returned unchanged."""
         return self._caller.run(calls.cancel_fit(name))
 
-    def delete_fit(self, name: str) -> None:
-        """Deletes a fit that has ended; its twin is kept."""
-        self._caller.run(calls.delete_fit(name))
+    def delete_fit(self, name: str, *, purge: bool = False) -> None:
+        """Moves a fit that does not run to the trash, or deletes it for good; its twin is kept."""
+        self._caller.run(calls.delete_fit(name, purge))
 
     def watch(self, name: str, *, timeout_s: float | None = None) -> Iterator[Fit]:
         """The fit now and after every change, until it has ended.
@@ -407,9 +408,35 @@ class Client:
         """Stores a twin file that another server exported."""
         return self._twin(self._caller.run(calls.create_twin(path, display_name, request_id)))
 
-    def delete_twin(self, name: str) -> None:
-        """Deletes a twin."""
-        self._caller.run(calls.delete_twin(name))
+    def delete_twin(self, name: str, *, purge: bool = False) -> None:
+        """Moves a twin to the trash, or deletes it for good."""
+        self._caller.run(calls.delete_twin(name, purge))
+
+    # Trash
+
+    def trashed_captures(self, owner: str = "") -> Iterator[Trashed]:
+        """Deleted captures that can be restored, the last one first."""
+        return self._caller.pages(calls.list_trashed_captures(owner))
+
+    def trashed_fits(self, owner: str = "") -> Iterator[Trashed]:
+        """Deleted fits that can be restored, the last one first."""
+        return self._caller.pages(calls.list_trashed_fits(owner))
+
+    def trashed_twins(self, owner: str = "") -> Iterator[Trashed]:
+        """Deleted twins that can be restored, the last one first."""
+        return self._caller.pages(calls.list_trashed_twins(owner))
+
+    def restore_capture(self, name: str) -> Capture:
+        """Restores a deleted capture; an ingest that was queued or running is queued again."""
+        return self._caller.run(calls.restore_capture(name))
+
+    def restore_fit(self, name: str) -> Fit:
+        """Restores a deleted fit; one that was queued is queued again."""
+        return self._caller.run(calls.restore_fit(name))
+
+    def restore_twin(self, name: str) -> Twin:
+        """Restores a deleted twin."""
+        return self._twin(self._caller.run(calls.restore_twin(name)))
 
     # Workers
 

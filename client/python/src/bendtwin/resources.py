@@ -270,6 +270,23 @@ class TwinInfo(FromMessage):
 
 
 @dataclass(frozen=True)
+class Trashed(FromMessage):
+    """A deleted capture, fit or twin, which can be restored."""
+
+    name: str
+    display_name: str
+    owner: str
+    create_time: datetime | None
+    delete_time: datetime | None
+    #: The server deletes it for good from this time on, or earlier if its disk gets full.
+    purge_time: datetime | None
+    #: Owner of the key that deleted it, or the rule that did; empty if unknown.
+    deleted_by: str
+    #: Size of the archive of a capture, or of a twin file; 0 for a fit.
+    size_bytes: int
+
+
+@dataclass(frozen=True)
 class Worker(FromMessage):
     """A worker process that is registered with the server."""
 

@@ -116,7 +116,7 @@ class CapturePage {
     };
     const question = {
       title: 'Delete this capture?',
-      text: 'The recording, its observation and its report are deleted. Twins that were fitted to it are kept.',
+      text: 'It goes to the trash, if this server has one, with its observation and its report. Twins that were fitted to it are kept.',
     };
     return [
       ...(isRead ? [h('a', { class: 'button primary', href: `#/fits/new?capture=${id}` }, 'Start a fit')] : []),

@@ -106,7 +106,7 @@ class FitPage {
         : [h('a', { class: 'button', href: `#/${fit.capture}/playback?twin=${id}` }, 'Beside the recording')]),
     ];
     const own = this.capture === null ? {} : { capture: idOf(fit.capture) };
-    const question = { title: 'Delete this fit?', text: 'Its losses are deleted. Its twin is kept.' };
+    const question = { title: 'Delete this fit?', text: 'It goes to the trash, if this server has one. Its twin is kept.' };
     return [
       ...(fit.twin ? toTwin : []),
       ...(hasEnded(fit.job) || fit.job.cancel_requested

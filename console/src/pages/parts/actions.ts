@@ -31,7 +31,7 @@ export function actionButton(
   return button;
 }
 
-/** A button that deletes a resource after a question, and then goes to `next`. */
+/** A button that moves a resource to the trash after a question, and then goes to `next`. */
 export function deleteButton(
   context: PageContext,
   path: string,
@@ -42,7 +42,7 @@ export function deleteButton(
   const remove = async (): Promise<void> => {
     if (!(await confirm({ ...question, action: 'Delete', isDangerous: true }))) return;
     await context.api.fetch(path, { method: 'DELETE', signal: context.signal });
-    context.announce('Deleted');
+    context.announce('Moved to the trash');
     context.navigate(next);
   };
   return actionButton(context, 'Delete', faults, remove, 'danger');

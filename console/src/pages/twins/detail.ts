@@ -51,7 +51,7 @@ function actions(
   faults: HTMLElement,
 ): HTMLElement[] {
   const own = capture === null ? {} : { capture: idOf(capture.name) };
-  const question = { title: 'Delete this twin?', text: 'Its file is deleted. Its capture and its fit are kept.' };
+  const question = { title: 'Delete this twin?', text: 'It goes to the trash, if this server has one. Its capture and its fit are kept.' };
   return [
     h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play'),
     h('a', { class: 'button', href: `#/twins/${id}/view` }, 'View in 3D'),

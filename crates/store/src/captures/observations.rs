@@ -118,6 +118,7 @@ impl Captures<'_> {
     /// [`Error::ContentDamaged`].
     pub async fn observation_content(&self, id: CaptureId) -> Result<(Observation, Content)> {
         let name = format!("the observation of {id}");
+        self.require(id).await?;
         let found = self.observation(id).await?;
         let observation = found.ok_or_else(|| Error::NotFound { name: name.clone() })?;
         let content = self
@@ -151,6 +152,7 @@ impl Captures<'_> {
     /// [`Error::NotFound`] without a report, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn report_content(&self, id: CaptureId, page: bool) -> Result<Content> {
         let name = format!("the report of {id}");
+        self.require(id).await?;
         let report = self.report(id).await?;
         let report = report.ok_or_else(|| Error::NotFound { name: name.clone() })?;
         let digest = if page { report.html } else { report.json };

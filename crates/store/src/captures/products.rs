@@ -89,10 +89,8 @@ impl Captures<'_> {
         let mut sql = Builder::new("select size_bytes, digest from ");
         sql.push(product.table()).push(" where capture = ").push_bind(id.uuid().to_string());
         let row: Option<Row> = sql.build().fetch_optional(self.store.inner.database.read()).await?;
-        let Some(row) = row else {
-            self.get(id).await?;
-            return Ok(None);
-        };
+        self.require(id).await?;
+        let Some(row) = row else { return Ok(None) };
         let name = format!("the {name} of {id}");
         let digest = read_digest(&row.digest, &name)?;
         let size_bytes = u64::try_from(row.size_bytes).unwrap_or_default();

@@ -141,6 +141,7 @@ impl Captures<'_> {
     /// [`Error::NotFound`] without one, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn supplement_content(&self, id: CaptureId, kind: SupplementKind) -> Result<Content> {
         let name = name_of(id, kind);
+        self.require(id).await?;
         let found = self.supplements(id).await?.into_iter().find(|found| found.kind == kind);
         let supplement = found.ok_or_else(|| Error::NotFound { name: name.clone() })?;
         self.store.blobs().read(&supplement.digest, Some(supplement.size_bytes), &name).await

@@ -131,7 +131,7 @@ impl Jobs<'_> {
     ) -> Result<Option<Job>> {
         let mut tx = self.store.inner.database.write().await?;
         let row = match row::fetch(&mut tx, id).await {
-            Err(Error::NotFound { .. }) => return Ok(None),
+            Err(Error::NotFound { .. } | Error::InTrash { .. }) => return Ok(None),
             row => row?,
         };
         if row.state()? != State::Running {

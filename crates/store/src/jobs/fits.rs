@@ -12,7 +12,7 @@ use super::{
     row::{self, Row, State},
 };
 use crate::{
-    Creator, Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts,
+    Creator, Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts, captures,
     deleted_requests,
     failpoint::Failpoint,
     keys::quotas::{self, More},
@@ -76,13 +76,7 @@ impl Jobs<'_> {
         let kind = deleted_requests::Kind::Jobs;
         deleted_requests::refuse(&mut tx, kind, request, None).await?;
         let capture = new.capture.uuid().to_string();
-        let capture_name: Option<String> =
-            query_scalar("select display_name from captures where id = $1")
-                .bind(&capture)
-                .fetch_optional(&mut tx)
-                .await?;
-        let capture_name =
-            capture_name.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
+        let capture_name = captures::fetch(&mut tx, new.capture).await?.labels.display_name;
         quotas::require(&mut tx, &new.creator, More::job()).await?;
         requirements::admit(&mut tx, Kind::Fit, &requirements).await?;
         let name = if new.display_name.is_empty() { &capture_name } else { &new.display_name };
@@ -298,7 +292,7 @@ impl Jobs<'_> {
 }
 
 /// Reason for which fits of a capture cannot run, if its ingest has ended without an observation.
-fn why_not(ingest: &Job) -> Option<Fault> {
+pub(super) fn why_not(ingest: &Job) -> Option<Fault> {
     match (ingest.id, ingest.state) {
         (super::JobId::Ingest(_), State::Failed) => ingest.fault.clone(),
         (super::JobId::Ingest(_), State::Succeeded) if ingest.masks_only => {

@@ -4,13 +4,13 @@
 use bendtwin_core::ids::{CaptureId, IngestId};
 
 use super::{
-    AttemptEnd, Job, Jobs, Kind, Lease, Requirements, requirements,
+    AttemptEnd, Job, JobId, Jobs, Kind, Lease, Requirements, requirements,
     row::{self, Row, State},
 };
 use crate::{
     Creator, Digest, Error, Result, Staged,
     captures::{
-        observations,
+        self, observations,
         products::{self, Product},
     },
     deleted_requests,
@@ -138,6 +138,7 @@ pub(crate) async fn require_idle(tx: &mut Transaction, capture: CaptureId) -> Re
 /// The ingest of a capture of which no job is queued or running.
 async fn idle_ingest(tx: &mut Transaction, capture: CaptureId) -> Result<Row> {
     let key = capture.uuid().to_string();
+    captures::fetch(tx, capture).await?;
     let ingest = row::ingest_of(tx, &key).await?;
     let ingest = ingest.ok_or_else(|| Error::NotFound { name: capture.to_string() })?;
     if !ingest.state()?.has_ended() {
@@ -151,13 +152,17 @@ async fn idle_ingest(tx: &mut Transaction, capture: CaptureId) -> Result<Row> {
 }
 
 /// Forgets the ingest of a capture within the caller's transaction.
-pub(crate) async fn dequeue(tx: &mut Transaction, capture: &str) -> Result<Option<Job>> {
+/// Returns its id and its checkpoint.
+pub(crate) async fn dequeue(
+    tx: &mut Transaction,
+    capture: &str,
+) -> Result<Option<(JobId, Option<String>)>> {
     let row: Option<Row> =
         query("delete from jobs where capture = $1 and kind = 'ingest' returning *")
             .bind(capture)
             .fetch_optional(&mut *tx)
             .await?;
-    row.map(Job::try_from).transpose()
+    row.map(|row| Ok((row.job()?, row.checkpoint))).transpose()
 }
 
 impl Jobs<'_> {
@@ -176,7 +181,7 @@ impl Jobs<'_> {
     /// The ingests of these captures, in any order.
     pub(crate) async fn ingests_of(&self, captures: &[String]) -> Result<Vec<Job>> {
         let mut sql = Builder::new("select * from jobs where kind = 'ingest' and capture in (");
-        sql.push_list(captures).push(")");
+        sql.push_list(captures).push(") and trashed_at is null");
         let rows: Vec<Row> = sql.build().fetch_all(self.store.inner.database.read()).await?;
         rows.into_iter().map(Job::try_from).collect()
     }

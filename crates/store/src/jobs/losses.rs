@@ -41,9 +41,7 @@ impl Jobs<'_> {
                 .bind(&key)
                 .fetch_all(self.store.inner.database.read())
                 .await?;
-        if rows.is_empty() {
-            self.get(fit).await?;
-        }
+        self.get(fit).await?;
         let corrupt = |stage: &str| Error::CorruptRow {
             name: fit.to_string(),
             fault: format!("a loss of the stage `{stage}`"),

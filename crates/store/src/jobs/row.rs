@@ -12,6 +12,7 @@ use crate::{
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar, row::row},
     store::clock::from_micros,
+    trash::{self, Remove},
 };
 
 /// State of a job.
@@ -95,6 +96,9 @@ row! {
         pub(super) yield_us: Option<i64>,
         pub(super) fruitless: i64,
         pub(super) max_run_s: Option<i64>,
+        trashed_at: Option<i64>,
+        purge_at: Option<i64>,
+        pub(super) restored_state: Option<String>,
     }
 }
 
@@ -128,6 +132,23 @@ impl Row {
         self.first_name.as_deref().unwrap_or_default()
     }
 
+    /// Id of the job.
+    pub(super) fn job(&self) -> Result<JobId> {
+        let kind = Kind::parse(&self.kind).ok_or_else(|| self.corrupt("kind"))?;
+        let id = Uuid::try_parse(&self.id).map_err(|_| self.corrupt("an id"))?;
+        Ok(JobId::new(kind, id))
+    }
+
+    /// True if a removal is of such jobs.
+    pub(super) fn is_among(&self, which: Remove) -> bool {
+        which.is_any() || self.purge_at.is_some_and(|at| at <= which.until())
+    }
+
+    /// Refuses a job in the trash.
+    fn require_kept(&self) -> Result<()> {
+        trash::refuse(self.job()?, self.trashed_at, self.purge_at)
+    }
+
     fn corrupt(&self, fault: &str) -> Error {
         Error::CorruptRow { name: format!("{}s/{}", self.kind, self.id), fault: fault.to_owned() }
     }
@@ -141,8 +162,8 @@ impl Row {
 impl TryFrom<Row> for Job {
     type Error = Error;
     fn try_from(row: Row) -> Result<Self> {
+        row.require_kept()?;
         let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| row.corrupt("an id"));
-        let kind = row.kind()?;
         let state = row.state()?;
         let mut progress: Option<Progress> = row.json(&row.progress)?;
         if state == State::Succeeded {
@@ -150,7 +171,7 @@ impl TryFrom<Row> for Job {
             progress.iter_mut().for_each(|p| (p.fraction, p.eta_s) = (1.0, Some(0.0)));
         }
         Ok(Self {
-            id: JobId::new(kind, uuid(&row.id)?),
+            id: row.job()?,
             capture: uuid(&row.capture)?.into(),
             state,
             priority: i32::try_from(row.priority).unwrap_or_default(),
@@ -186,8 +207,15 @@ impl TryFrom<Row> for Job {
     }
 }
 
-/// The row of a job, within a transaction.
+/// The row of a job that is not in the trash, within a transaction.
 pub(super) async fn fetch(tx: &mut Transaction, id: JobId) -> Result<Row> {
+    let row = fetch_any(tx, id).await?;
+    row.require_kept()?;
+    Ok(row)
+}
+
+/// The row of a job, also of one in the trash.
+pub(super) async fn fetch_any(tx: &mut Transaction, id: JobId) -> Result<Row> {
     let row: Option<Row> = query("select * from jobs where id = $1 and kind = $2")
         .bind(id.uuid().to_string())
         .bind(id.kind().as_str())

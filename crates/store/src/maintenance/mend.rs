@@ -73,7 +73,9 @@ async fn queue_ingest(tx: &mut Transaction, capture: &str) -> Result<()> {
         "delete from playbacks where capture = $1",
         "delete from masks where capture = $1",
         "delete from reports where capture = $1",
-        "update jobs set state = 'queued', attempts = 0, stalled = 0, furthest = 0,
+        // In the trash it is queued once it is restored.
+        "update jobs set restored_state = case when trashed_at is null then null else 'queued' end,
+             state = case when trashed_at is null then 'queued' else 'cancelled' end, attempts = 0, stalled = 0, furthest = 0,
              checkpoint = null, fault = null, attempt_faults = '[]', progress = null,
              ended_at = null, worker = null, lease_until = null, cancel_requested = false,
              masks_only = false, revision = revision + 1

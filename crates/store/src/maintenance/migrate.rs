@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// All tables.
-const TABLES: [Table; 22] = [
+const TABLES: [Table; 23] = [
     Table { name: "arrivals", key: "id, digest" },
     Table { name: "captures", key: "id" },
     Table { name: "deleted_requests", key: "kind, request_id" },
@@ -48,6 +48,7 @@ const TABLES: [Table; 22] = [
     Table { name: "projects", key: "id" },
     Table { name: "reports", key: "capture" },
     Table { name: "reservations", key: "id" },
+    Table { name: "retention_rules", key: "id" },
     Table { name: "servers", key: "id" },
     Table { name: "store", key: "id" },
     Table { name: "supplements", key: "capture, kind" },

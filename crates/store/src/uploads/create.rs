@@ -177,10 +177,12 @@ async fn begun_before(
     let Some(row) = row else { return Ok(None) };
     let before = ResumableUpload::try_from(row)?;
     if let UploadState::Stored(capture) = before.state {
-        let there: bool = query_scalar("select exists (select 1 from captures where id = $1)")
-            .bind(capture.uuid().to_string())
-            .fetch_one(&mut *tx)
-            .await?;
+        let there: bool = query_scalar(
+            "select exists (select 1 from captures where id = $1 and trashed_at is null)",
+        )
+        .bind(capture.uuid().to_string())
+        .fetch_one(&mut *tx)
+        .await?;
         if !there {
             query("update uploads set request_id = null where id = $1")
                 .bind(before.id.uuid().to_string())

@@ -63,7 +63,9 @@ fn what_changes_something_needs_a_scope_that_allows_it() {
         let method = rpc.path.rsplit('/').next().unwrap();
         let access = find(rpc.path).unwrap();
         let is_admin = access == Access::Scope(Scope::Admin);
-        assert!(is_admin || !rpc.path.contains(".KeyService/"), "{}", rpc.path);
+        for service in [".KeyService/", ".RetentionService/"] {
+            assert!(is_admin || !rpc.path.contains(service), "{}", rpc.path);
+        }
         assert!(is_admin || !method.starts_with("Drain"), "{}", rpc.path);
         let weak = [Scope::CapturesRead, Scope::FitsRead, Scope::TwinsRead].map(Access::Scope);
         let is_weak = weak.contains(&access) || matches!(access, Open | Anyone);

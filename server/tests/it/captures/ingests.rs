@@ -126,7 +126,7 @@ async fn what_cannot_be_read_fails_its_fits_and_says_why() {
         );
     }
     assert!(worker.lease_a(Kind::Fit, Duration::ZERO).await.is_none());
-    assert_eq!(server.delete(&format!("/v1/{capture}")).await.0, 204);
+    assert_eq!(server.purge(&format!("/v1/{capture}")).await.0, 204);
     assert_eq!(server.blob_files(), 0);
 }
 

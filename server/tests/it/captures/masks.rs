@@ -112,6 +112,6 @@ async fn a_refused_ingest_may_have_a_playback_and_masks() {
     }
     let (status, fit) = server.post("/v1/fits", json!({"capture": capture})).await;
     assert_eq!((status, &fit["job"]["fault"]["reason"]), (202, &json!("NOT_CALIBRATED")));
-    assert_eq!(server.delete(&format!("/v1/{capture}")).await.0, 204);
+    assert_eq!(server.purge(&format!("/v1/{capture}")).await.0, 204);
     assert_eq!(server.blob_files(), 0);
 }

@@ -69,7 +69,7 @@ async fn a_file_is_added_replaced_downloaded_and_removed() {
     let (status, problem) = server.delete(&path).await;
     assert_eq!((status, &problem["reason"]), (404, &json!("NOT_FOUND")));
     assert_eq!(server.get(&path).await.0, 404);
-    assert_eq!(server.delete(&format!("/v1/{capture}")).await.0, 204);
+    assert_eq!(server.purge(&format!("/v1/{capture}")).await.0, 204);
     assert_eq!(server.blob_files(), 0);
     assert_eq!(put(&server, &path, "masks").await.0, 404);
 }

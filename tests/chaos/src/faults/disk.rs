@@ -66,10 +66,10 @@ pub(super) async fn fill(
         run.tally.broken("writes succeed again when a full disk has room", case);
     }
     if !deleted {
-        run.delete(&victim).await;
+        run.delete(&victim, false).await;
     }
     if let Some(name) = again {
-        run.delete(&name).await;
+        run.delete(&name, false).await;
     }
     Ok(())
 }

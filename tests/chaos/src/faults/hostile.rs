@@ -77,7 +77,7 @@ pub(super) async fn send_file(run: &Run, number: u64, files: &Files) -> anyhow::
         run.ledger.capture(name, &digest, true);
         ended(run, name, &what).await;
     }
-    run.delete(name).await;
+    run.delete(name, false).await;
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! A client that uploads captures, downloads them, adds files to them, repeats requests and deletes.
+//! A client that uploads captures, downloads them, adds files to them, repeats requests, deletes and restores.
 
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
@@ -46,8 +46,11 @@ pub(super) async fn client(run: Arc<Run>, number: u64) {
         }
         if mine.len() > KEPT || random.random_bool(0.3) {
             let gone = random.random_range(0..mine.len());
-            if let Some((name, _)) = mine.remove(gone) {
-                run.delete(&name).await;
+            if let Some((name, archive)) = mine.remove(gone) {
+                let deleted = run.delete(&name, random.random_bool(0.3)).await;
+                if deleted && random.random_bool(0.4) && run.restore(&name).await {
+                    mine.push_back((name, archive));
+                }
             }
         }
         sleep(Duration::from_millis(random.random_range(300..1200))).await;

@@ -24,7 +24,10 @@ pub(super) async fn client(run: Arc<Run>, number: u64) {
                 Some(fit) if has_ended(&fit) => {
                     take(&run, &fit, work).await;
                     if random.random_bool(0.3) {
-                        run.delete(&name).await;
+                        let deleted = run.delete(&name, random.random_bool(0.3)).await;
+                        if deleted && random.random_bool(0.4) {
+                            run.restore(&name).await;
+                        }
                     }
                 }
                 _ => waiting.push((name, work)),

@@ -132,10 +132,12 @@ class UpdateCaptureRequest(_message.Message):
     def __init__(self, capture: _Optional[_Union[Capture, _Mapping]] = ..., update_mask: _Optional[_Union[_field_mask_pb2.FieldMask, _Mapping]] = ..., add_tags: _Optional[_Iterable[str]] = ..., remove_tags: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class DeleteCaptureRequest(_message.Message):
-    __slots__ = ("name",)
+    __slots__ = ("name", "purge")
     NAME_FIELD_NUMBER: _ClassVar[int]
+    PURGE_FIELD_NUMBER: _ClassVar[int]
     name: str
-    def __init__(self, name: _Optional[str] = ...) -> None: ...
+    purge: bool
+    def __init__(self, name: _Optional[str] = ..., purge: bool = ...) -> None: ...
 
 class DeleteCaptureResponse(_message.Message):
     __slots__ = ()

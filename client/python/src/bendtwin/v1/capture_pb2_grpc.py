@@ -141,8 +141,9 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteCapture(self, request, context):
-        """Deletes what ingests made of it and its supplements, too. Refused with FAILED_PRECONDITION while a fit of the
-        capture is queued or running. Its twins are kept.
+        """Moves a capture to the trash, with what ingests made of it and its supplements; an ingest that is queued or
+        running ends. Refused with FAILED_PRECONDITION while a fit of the capture is queued or running. Its twins are
+        kept.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

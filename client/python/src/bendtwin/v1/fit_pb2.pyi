@@ -129,10 +129,12 @@ class CancelFitRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class DeleteFitRequest(_message.Message):
-    __slots__ = ("name",)
+    __slots__ = ("name", "purge")
     NAME_FIELD_NUMBER: _ClassVar[int]
+    PURGE_FIELD_NUMBER: _ClassVar[int]
     name: str
-    def __init__(self, name: _Optional[str] = ...) -> None: ...
+    purge: bool
+    def __init__(self, name: _Optional[str] = ..., purge: bool = ...) -> None: ...
 
 class DeleteFitResponse(_message.Message):
     __slots__ = ()

@@ -122,7 +122,8 @@ class FitServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteFit(self, request, context):
-        """Refused with FAILED_PRECONDITION while the fit runs: cancel it first. Its twin is kept.
+        """Moves a fit to the trash; one that is queued waits no more. Refused with FAILED_PRECONDITION while the fit runs:
+        cancel it first. Its twin is kept.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -199,10 +199,12 @@ class UpdateTwinRequest(_message.Message):
     def __init__(self, twin: _Optional[_Union[Twin, _Mapping]] = ..., update_mask: _Optional[_Union[_field_mask_pb2.FieldMask, _Mapping]] = ..., add_tags: _Optional[_Iterable[str]] = ..., remove_tags: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class DeleteTwinRequest(_message.Message):
-    __slots__ = ("name",)
+    __slots__ = ("name", "purge")
     NAME_FIELD_NUMBER: _ClassVar[int]
+    PURGE_FIELD_NUMBER: _ClassVar[int]
     name: str
-    def __init__(self, name: _Optional[str] = ...) -> None: ...
+    purge: bool
+    def __init__(self, name: _Optional[str] = ..., purge: bool = ...) -> None: ...
 
 class DeleteTwinResponse(_message.Message):
     __slots__ = ()

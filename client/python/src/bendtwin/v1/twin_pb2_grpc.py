@@ -103,7 +103,8 @@ class TwinServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteTwin(self, request, context):
-        """Missing associated documentation comment in .proto file."""
+        """Moves a twin to the trash.
+        """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
