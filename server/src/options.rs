@@ -99,6 +99,9 @@ pub struct WorkerPolicy {
     /// Memory of the workers together [MiB]; without it half of the machine's (or the container's).
     /// Passed in their environment, so that `args` take precedence.
     pub memory_mib: Option<u64>,
+    /// Variables of their environment, for example how this process logs.
+    #[serde(skip)]
+    pub environment: Vec<(String, String)>,
     /// Backend of the workers: `auto`, `cpu` or `cuda`. Passed in their environment, so that `args`
     /// take precedence; the same holds for `devices`.
     pub backend: String,
@@ -199,6 +202,7 @@ impl Default for WorkerPolicy {
             backend: "auto".to_owned(),
             devices: Vec::new(),
             min_backoff_s: 0.1,
+            environment: Vec::new(),
             max_backoff_s: 5.0,
         }
     }

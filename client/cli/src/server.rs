@@ -11,7 +11,7 @@ use bendtwin_server::Service;
 use clap::Args;
 use serde::Serialize;
 
-use crate::{failure, output, signals};
+use crate::{failure, logging, output, signals};
 
 /// Options of the server. Flags take precedence over the environment, that over the file, and that
 /// over the defaults.
@@ -181,12 +181,14 @@ fn as_text<S: serde::Serializer>(
     choice.map(|choice| choice.to_string()).serialize(serializer)
 }
 
-pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
+pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Result<()> {
     let shutdown = signals::shutdown();
     if args.exit_with_parent {
         signals::end_with_parent(shutdown.clone());
     }
-    let options = args.options()?;
+    let mut options = args.options()?;
+    let of_logs = logging.environment().into_iter();
+    options.workers.environment = of_logs.map(|(name, value)| (name.to_owned(), value)).collect();
     let scheme = if options.tls.is_some() { "https" } else { "http" };
     let workers = options.workers.count;
     let data_dir = options.data_dir.display().to_string();

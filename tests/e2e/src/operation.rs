@@ -5,6 +5,7 @@ mod doctor;
 mod fleet;
 mod local_access;
 mod on_postgres;
+mod logs;
 mod on_s3;
 mod replicas;
 mod revocation;
