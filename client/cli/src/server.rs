@@ -38,6 +38,10 @@ pub(crate) struct Server {
     /// [default: required]
     #[arg(long, env = "BENDTWIN_CLIENT_TOKEN", value_name = "POLICY", value_parser = ["required", "none"])]
     client_token: Option<String>,
+    /// File with the token of clients, which is the same for all servers of a fleet [default:
+    /// DIR/client-token, made at the first start]
+    #[arg(long, env = "BENDTWIN_CLIENT_TOKEN_FILE", value_name = "FILE")]
+    client_token_file: Option<PathBuf>,
     /// Certificate for clients, for https://: a PEM file, reloaded when it changes
     #[arg(long, env = "BENDTWIN_TLS_CERTIFICATE", value_name = "FILE", requires = "tls_key")]
     #[serde(rename = "tls.certificate")]
