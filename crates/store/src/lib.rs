@@ -150,5 +150,8 @@ pub use uploads::{
     UploadWriter, Uploads,
 };
 
+/// Name of the file in a data folder with the token of clients.
+pub const CLIENT_TOKEN: &str = "client-token";
+
 /// BLAKE3 digest of a blob.
 pub use blake3::Hash as Digest;

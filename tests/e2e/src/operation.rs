@@ -1,11 +1,12 @@
 //! Operation of a server and of a fleet by an administrator: databases, buckets, certificates, access,
 //! upgrades, traces, backup and repair.
 
+mod backups;
 mod doctor;
 mod fleet;
 mod local_access;
-mod on_postgres;
 mod logs;
+mod on_postgres;
 mod on_s3;
 mod replicas;
 mod revocation;
