@@ -1,6 +1,8 @@
 //! Faults on the wire: a [`Fault`] as a message, and as a gRPC status whose
 //! `ErrorInfo` detail carries the reason. Both ends of a call use this table.
 
+use std::borrow::Cow;
+
 use bendtwin_core::{Category, Fault};
 use tonic::{Code, Status};
 use tonic_types::{ErrorDetails, StatusExt as _};
@@ -108,10 +110,38 @@ impl From<&v1::Fault> for Fault {
     }
 }
 
-/// A status that carries the whole fault.
+/// Longest message of a status [bytes]. It is sent twice, once with three bytes for each that is not
+/// ASCII and once in base64, and clients refuse more than 8 KiB of metadata.
+const MOST_MESSAGE: usize = 1400;
+/// Signs between the entries of lists in messages.
+const SEPARATORS: [&str; 3] = ["\n", "; ", ", "];
+
+/// A status that carries the fault, with a bounded message.
 pub fn status(fault: &Fault) -> Status {
-    let details = ErrorDetails::with_error_info(&fault.reason, ERROR_DOMAIN, []);
-    Status::with_error_details(code(fault.category), &fault.message, details)
+    status_with(fault, ErrorDetails::with_error_info(&fault.reason, ERROR_DOMAIN, []))
+}
+
+/// [`status`] with details beside the reason.
+pub fn status_with(fault: &Fault, details: ErrorDetails) -> Status {
+    let message = shortened(&fault.message, MOST_MESSAGE);
+    Status::with_error_details(code(fault.category), message, details)
+}
+
+/// A text of at most this many bytes. Of a list, the entries that are left out are counted.
+pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    if text.len() <= most {
+        return text.into();
+    }
+    // Room for the remark.
+    let kept = &text[..text.floor_char_boundary(most.saturating_sub(32))];
+    for separator in SEPARATORS {
+        // Not for the first entry of a list, or for a list in the beginning of a long sentence.
+        if let Some(end) = kept.rfind(separator).filter(|end| *end > kept.len() / 2) {
+            let more = text[end..].matches(separator).count();
+            return format!("{}{separator}and {more} more", &kept[..end]).into();
+        }
+    }
+    format!("{kept}… ({} characters more)", text[kept.len()..].chars().count()).into()
 }
 
 /// The fault that a status carries. A status without `ErrorInfo` did not come

@@ -30,6 +30,9 @@ pub(crate) struct Context {
     pub(crate) network: Option<IpAddr>,
     /// The caller, as far as it has shown who it is.
     pub(crate) caller: Caller,
+    /// True where HTTP has a service of gRPC answer in this process: what it says crosses no wire, whose
+    /// metadata is bounded.
+    pub(crate) is_in_process: bool,
 }
 
 impl Context {
@@ -60,7 +63,8 @@ impl Context {
         let client_trace_parent = trace_parent.map(str::to_owned);
         let client = client(peer, text("x-client-id").filter(|id| is_sane_id(id)));
         let network = peer.map(|peer| network_of(peer.ip()));
-        Self { request_id, client_trace_parent, client, network, caller: Caller::default() }
+        let caller = Caller::default();
+        Self { request_id, client_trace_parent, client, network, caller, is_in_process: false }
     }
 }
 
@@ -72,6 +76,7 @@ impl Default for Context {
             client: client(None, None),
             network: None,
             caller: Caller::default(),
+            is_in_process: false,
         }
     }
 }

@@ -48,6 +48,17 @@ pub(crate) use rollout::{InParts, Parts, ReplyHold, RollOut, Whole};
 pub(crate) use steps::{Step, Stepped};
 use twins::Twins;
 
+/// Outcome of learning of a worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Learned {
+    /// This server may not use the worker.
+    Unusable,
+    /// The worker is known here, now or from before.
+    Known,
+    /// The worker has left since its row was read.
+    Gone,
+}
+
 /// The routing table. Clones share it.
 #[derive(Clone, Debug)]
 pub(crate) struct Dispatch {
@@ -96,21 +107,28 @@ impl Dispatch {
         Ok(())
     }
 
-    /// Adds a worker of the fleet that has registered at another server, unless it is known. False
-    /// if this server may not use it.
-    pub(crate) fn learn(&self, worker: Worker) -> Result<bool> {
+    /// Adds a worker of the fleet, which has registered at another server, by its row, unless it is known.
+    pub(crate) async fn learn(&self, worker: Worker) -> Result<Learned> {
         let Some(token) = self.worker_token.as_deref().filter(|_| !worker.is_supervised) else {
-            return Ok(false);
+            return Ok(Learned::Unusable);
         };
         let known = self.lock().get(&worker.registration.id).cloned();
         let is_same =
             |e: Arc<Entry>| e.worker().registration.endpoint == worker.registration.endpoint;
-        if !known.is_some_and(is_same) {
-            let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
-            let heard = LastSign::Never;
-            self.enter(Entry::new(worker, None, token, &self.limits, heard, channel)?);
+        if known.is_some_and(is_same) {
+            return Ok(Learned::Known);
         }
-        Ok(true)
+        let channel = channel::open(&worker.registration.endpoint, &self.dialer)?;
+        let heard = LastSign::Never;
+        let id = worker.registration.id;
+        self.enter(Entry::new(worker, None, token, &self.limits, heard, channel)?);
+        // A removal takes the row first and the entry afterwards: if the row is still there, a later
+        // removal takes this entry, too.
+        if self.store.workers().find(id).await?.is_some() {
+            return Ok(Learned::Known);
+        }
+        self.remove(id);
+        Ok(Learned::Gone)
     }
 
     fn enter(&self, entry: Entry) {

@@ -36,6 +36,9 @@ pub struct Options {
     pub allowed_hosts: Vec<String>,
     /// Token that clients have to show.
     pub client_token: ClientTokenPolicy,
+    /// File with the token of clients, which several servers may have; without one each has its own in
+    /// its data folder.
+    pub client_token_file: Option<PathBuf>,
     /// Certificate that clients are shown; without one there is no TLS.
     pub tls: Option<Tls>,
     /// Listener for workers on other hosts; with it the address for clients takes no workers.
@@ -110,6 +113,9 @@ pub struct WorkerPolicy {
     pub program: Option<PathBuf>,
     /// Arguments of the program.
     pub args: Vec<String>,
+    /// Variables of their environment, for example how this process logs.
+    #[serde(skip)]
+    pub environment: Vec<(String, String)>,
     /// Memory of the workers together [MiB]; without it half of the machine's (or the container's).
     /// Passed in their environment, so that `args` take precedence.
     pub memory_mib: Option<u64>,
@@ -204,6 +210,7 @@ impl Default for Options {
             worker_listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             allowed_hosts: Vec::new(),
             client_token: ClientTokenPolicy::Required,
+            client_token_file: None,
             tls: None,
             worker_tls: None,
             tls_terminated_by_proxy: false,
@@ -236,6 +243,7 @@ impl Default for WorkerPolicy {
             count: 1,
             program: None,
             args: vec!["worker".to_owned()],
+            environment: Vec::new(),
             memory_mib: None,
             backend: "auto".to_owned(),
             devices: Vec::new(),

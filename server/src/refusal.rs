@@ -9,7 +9,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use bendtwin_core::{Category, Fault, Problem};
-use bendtwin_proto::fault::{ERROR_DOMAIN, category_name, code, fault};
+use bendtwin_proto::fault::{ERROR_DOMAIN, category_name, code, fault, shortened, status_with};
 use serde::{Deserialize, Serialize};
 use tonic::Status;
 use tonic_types::{ErrorDetails, StatusExt as _};
@@ -18,6 +18,9 @@ use crate::{
     context::{self, Context},
     error,
 };
+
+/// Longest message of a problem document [bytes].
+const MOST_DETAIL: usize = 16 << 10;
 
 /// The HTTP status of a category. The gRPC code is
 /// [`bendtwin_proto::fault::code`]; a test holds the two together.
@@ -121,7 +124,7 @@ impl Refusal {
             kind: format!("urn:bendtwin:error:{}", fault.reason),
             title: category_name(fault.category).to_owned(),
             status: self.status.as_u16(),
-            detail: fault.message,
+            detail: shortened(&fault.message, MOST_DETAIL).into_owned(),
             reason: fault.reason,
             request_id: context.request_id.clone(),
         }
@@ -141,7 +144,10 @@ impl Refusal {
         if self.retry_after.is_some() {
             details.set_retry_info(self.retry_after);
         }
-        Status::with_error_details(code(fault.category), fault.message, details)
+        match context.is_in_process {
+            true => Status::with_error_details(code(fault.category), fault.message, details),
+            false => status_with(&fault, details),
+        }
     }
 }
 

@@ -61,6 +61,18 @@ pub enum StartError {
         /// The system's error.
         source: std::io::Error,
     },
+    /// The file with the token of a fleet has none.
+    #[error(
+        "no client token in {path} ({fault}): write at least 32 printable characters without spaces \
+         into it"
+    )]
+    #[problem(FailedPrecondition, "CLIENT_TOKEN_FILE")]
+    NoClientToken {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: String,
+    },
     /// The files of a certificate or its key cannot be used.
     #[error("no TLS: {0}")]
     #[problem(transparent)]
@@ -232,6 +244,10 @@ async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartErr
 }
 
 fn load_token(options: &Options) -> Result<String, StartError> {
+    if let Some(path) = &options.client_token_file {
+        return client_token::read(path)
+            .map_err(|fault| StartError::NoClientToken { path: path.clone(), fault });
+    }
     client_token::load(&options.data_dir).map_err(|source| StartError::ClientToken {
         path: client_token::path(&options.data_dir),
         source,

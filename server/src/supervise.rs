@@ -61,6 +61,7 @@ pub(crate) struct Supervisor {
 struct SpawnOptions {
     program: PathBuf,
     args: Vec<OsString>,
+    environment: Vec<(String, String)>,
     server: String,
     backend: String,
     /// CUDA devices, taken in turn.
@@ -90,6 +91,7 @@ pub(crate) fn start(app: &App, program: Option<PathBuf>, address: SocketAddr) ->
     let spawn_options = SpawnOptions {
         program,
         args: policy.args.iter().map(OsString::from).collect(),
+        environment: policy.environment.clone(),
         server: format!("http://{}", reachable(address)),
         backend: policy.backend.clone(),
         devices: policy.devices.clone(),
@@ -199,6 +201,7 @@ impl SlotSupervisor {
         }
         command
             .args(&self.spawn_options.args)
+            .envs(self.spawn_options.environment.iter().map(|(name, value)| (name, value)))
             .env(SERVER_VARIABLE, &self.spawn_options.server)
             .env(TOKEN_VARIABLE, self.app.admit_child(child))
             .env(BACKEND_VARIABLE, &self.spawn_options.backend)

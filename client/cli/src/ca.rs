@@ -9,7 +9,7 @@ use bendtwin_tls::{
     files,
 };
 use clap::{Args, Subcommand, ValueEnum};
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use serde::Serialize;
 
 use crate::{failure::failed, global::Global, output, table::Table};
@@ -29,6 +29,14 @@ enum Command {
     },
     /// Issue a certificate with its key: NAME.pem and NAME.key in the folder
     Issue(Issue),
+    /// Renew all certificates that end soon, for the same hosts and as long as before: for a timer
+    Renew {
+        /// Folder of the authority
+        folder: PathBuf,
+        /// Time to the end of a certificate within which it is renewed, in days
+        #[arg(long, value_name = "DAYS", default_value = "30d", value_parser = days)]
+        within: u32,
+    },
     /// Revoke certificates: write crl.pem, the list that servers and workers read, in the folder
     Revoke(Revoke),
     /// List the certificates that an authority has issued, with those that it has revoked
@@ -128,6 +136,7 @@ pub(crate) fn run(args: Ca, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Command::Init { folder } => init(&folder, global),
         Command::Issue(args) => issue(args, global),
+        Command::Renew { folder, within } => renew(&folder, within, global),
         Command::Revoke(args) => revoke(&args, global),
         Command::List { folder } => list(&folder, global),
         Command::Show { file } => show(&file, global),
@@ -184,11 +193,7 @@ fn print(
     global: &Global,
     text: impl FnOnce(String) -> String,
 ) -> anyhow::Result<()> {
-    let files = Files {
-        certificate: written.certificate.clone(),
-        key: written.key.clone(),
-        not_after: written.facts.not_after,
-    };
+    let files = Files::of(written);
     output::print(global, &files, || {
         text(format!(
             "wrote {} and its key {}, until {:.0}",
@@ -196,6 +201,39 @@ fn print(
             files.key.display(),
             files.not_after
         ))
+    })
+}
+
+/// A number of days, as `30` or `30d`.
+fn days(text: &str) -> Result<u32, String> {
+    let days = text.strip_suffix('d').unwrap_or(text).parse().map_err(|_| "give days, as 30d")?;
+    let longest = AUTHORITY_DAYS;
+    if days <= longest { Ok(days) } else { Err(format!("give at most {longest}d")) }
+}
+
+fn renew(folder: &Path, within: u32, global: &Global) -> anyhow::Result<()> {
+    let authority = Authority::open(folder).map_err(failed)?;
+    let within = SignedDuration::from_hours(24 * i64::from(within));
+    let renewed = authority.renew(within).map_err(failed)?;
+    let (end, now) = (authority.end(), Timestamp::now());
+    if end.duration_since(now) <= within {
+        tracing::warn!(
+            "the authority itself ends at {end:.0}: make another one, and give its certificate to everyone"
+        );
+    }
+    let files: Vec<_> = renewed.iter().map(Files::of).collect();
+    output::print(global, &files, || {
+        if files.is_empty() {
+            return "No certificate ends soon.".to_owned();
+        }
+        let lines = files.iter().map(|one| {
+            let (certificate, key) = (one.certificate.display(), one.key.display());
+            format!("renewed {certificate} and its key {key}, until {:.0}\n", one.not_after)
+        });
+        let lines: String = lines.collect();
+        format!(
+            "{lines}Servers and workers that have these files read them within seconds; copy the others"
+        )
     })
 }
 
@@ -233,6 +271,16 @@ fn list(folder: &Path, global: &Global) -> anyhow::Result<()> {
         }
         table.text()
     })
+}
+
+impl Files {
+    fn of(written: &Written) -> Self {
+        Self {
+            certificate: written.certificate.clone(),
+            key: written.key.clone(),
+            not_after: written.facts.not_after,
+        }
+    }
 }
 
 impl Row {

@@ -11,7 +11,7 @@ use bendtwin_server::Service;
 use clap::Args;
 use serde::Serialize;
 
-use crate::{failure, output, signals};
+use crate::{failure, logging, output, signals};
 
 /// Options of the server. Flags take precedence over the environment, that over the file, and that
 /// over the defaults.
@@ -38,6 +38,10 @@ pub(crate) struct Server {
     /// [default: required]
     #[arg(long, env = "BENDTWIN_CLIENT_TOKEN", value_name = "POLICY", value_parser = ["required", "none"])]
     client_token: Option<String>,
+    /// File with the token of clients, which is the same for all servers of a fleet [default:
+    /// DIR/client-token, made at the first start]
+    #[arg(long, env = "BENDTWIN_CLIENT_TOKEN_FILE", value_name = "FILE")]
+    client_token_file: Option<PathBuf>,
     /// Certificate for clients, for https://: a PEM file, reloaded when it changes
     #[arg(long, env = "BENDTWIN_TLS_CERTIFICATE", value_name = "FILE", requires = "tls_key")]
     #[serde(rename = "tls.certificate")]
@@ -185,12 +189,14 @@ fn as_text<S: serde::Serializer>(
     choice.map(|choice| choice.to_string()).serialize(serializer)
 }
 
-pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
+pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Result<()> {
     let shutdown = signals::shutdown();
     if args.exit_with_parent {
         signals::end_with_parent(shutdown.clone());
     }
-    let options = args.options()?;
+    let mut options = args.options()?;
+    let of_logs = logging.environment().into_iter();
+    options.workers.environment = of_logs.map(|(name, value)| (name.to_owned(), value)).collect();
     let scheme = if options.tls.is_some() { "https" } else { "http" };
     let workers = options.workers.count;
     let data_dir = options.data_dir.display().to_string();

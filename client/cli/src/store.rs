@@ -1,5 +1,5 @@
-//! `bendtwin store`: check, repair and backup of a data folder, and its move to PostgreSQL and S3, for its
-//! administrator.
+//! `bendtwin store`: check and repair of a data folder, backup and restore of any store, and its move to
+//! PostgreSQL and S3, for its administrator.
 
 mod report;
 
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use bendtwin_core::{Category, Fault};
 use bendtwin_server::{
     DatabaseUrl, ObjectsUrl, Options,
-    maintenance::{self, Depth},
+    maintenance::{self, Depth, Site},
 };
 use clap::{Args, Subcommand};
 
@@ -32,10 +32,30 @@ struct Folder {
     data_dir: Option<PathBuf>,
 }
 
+/// The whereabouts of a store, with the variables of its servers.
+#[derive(Debug, Args)]
+struct Whereabouts {
+    #[command(flatten)]
+    folder: Folder,
+    /// PostgreSQL database with the rows, postgres://USER@HOST:PORT/DATABASE [default: SQLite in the data
+    /// folder]
+    #[arg(long, env = "BENDTWIN_DATABASE_URL", value_name = "URL", hide_env_values = true)]
+    database: Option<String>,
+    /// Place of the content, s3://BUCKET/PREFIX (keys and region from AWS_* in the environment) or
+    /// file:///FOLDER [default: the data folder]
+    #[arg(long, env = "BENDTWIN_OBJECTS", value_name = "URL")]
+    objects: Option<String>,
+    /// File with the token of clients [default: client-token in the data folder]
+    #[arg(long, env = "BENDTWIN_CLIENT_TOKEN_FILE", value_name = "FILE")]
+    client_token_file: Option<PathBuf>,
+}
+
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Compare the database with its own rules and all content with its rows; a server may run
     Check {
+        /// A backup or a data folder, in place of --data-dir
+        path: Option<PathBuf>,
         #[command(flatten)]
         folder: Folder,
         /// Compare only sizes, without reading the content
@@ -64,12 +84,20 @@ enum Command {
         #[arg(long, value_name = "URL")]
         to_objects: Option<String>,
     },
-    /// Copy the database and its content to a new folder; a server may run
+    /// Copy all rows and all content to a folder, or bring an earlier backup there up to date; servers may
+    /// run
     Backup {
         #[command(flatten)]
-        folder: Folder,
-        /// Folder of the copy
+        store: Whereabouts,
+        /// Folder of the backup. It has secrets: hashes of keys, and the client token
         to: PathBuf,
+    },
+    /// Restore a backup to a new store of any kind; an interrupted restore is run again
+    Restore {
+        #[command(flatten)]
+        store: Whereabouts,
+        /// Folder of the backup
+        from: PathBuf,
     },
 }
 
@@ -79,11 +107,24 @@ impl Folder {
     }
 }
 
+impl Whereabouts {
+    fn site(self) -> anyhow::Result<Site> {
+        let database = self.database.map(|url| DatabaseUrl::parse(&url));
+        let objects = self.objects.map(|url| ObjectsUrl::parse(&url));
+        Ok(Site {
+            data_dir: self.folder.path(),
+            database: database.transpose().map_err(failure::failed)?,
+            objects: objects.transpose().map_err(failure::failed)?,
+            client_token: self.client_token_file,
+        })
+    }
+}
+
 pub(crate) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
     match args.command {
-        Command::Check { folder, sizes } => {
+        Command::Check { path, folder, sizes } => {
             let depth = if sizes { Depth::Sizes } else { Depth::Digests };
-            let path = folder.path();
+            let path = path.unwrap_or_else(|| folder.path());
             let report = maintenance::check(&path, depth).await.map_err(failure::failed)?;
             output::print(global, &report, || report::check(&report))?;
             require(report.is_sound(), "the store is damaged: run `bendtwin store repair`")
@@ -110,12 +151,19 @@ pub(crate) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
             let done = maintenance::migrate(&folder.path(), &url).await.map_err(failure::failed)?;
             output::print(global, &done, || report::migration(&done))
         }
-        Command::Backup { folder, to } => {
-            let path = folder.path();
-            let done = maintenance::backup(&path, &to).await.map_err(failure::failed)?;
+        Command::Backup { store, to } => {
+            let done = maintenance::backup(&store.site()?, &to).await.map_err(failure::failed)?;
             output::print(global, &done, || report::backup(&done))?;
             let advice =
                 "the store lacks content, and so does its backup: run `bendtwin store check`";
+            require(done.lost.is_empty(), advice)
+        }
+        Command::Restore { store, from } => {
+            let done =
+                maintenance::restore(&from, &store.site()?).await.map_err(failure::failed)?;
+            output::print(global, &done, || report::restore(&done))?;
+            let advice = "the backup lacks content, and so does the restored store: upload the same \
+                          archives and import the same twin files again, or restore another backup";
             require(done.lost.is_empty(), advice)
         }
     }

@@ -1,7 +1,10 @@
 """TLS: a real server and a worker of another host, with certificates of a private authority."""
 
 import os
+import socket
 import subprocess
+from contextlib import suppress
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -133,6 +136,28 @@ def test_addresses_say_whether_there_is_tls(monkeypatch, tmp_path):
     monkeypatch.setenv("BENDTWIN_CA", str(tmp_path / "ca.pem"))
     assert transport("https://host", None).ca == tmp_path / "ca.pem"
     assert transport("https://host", "other.pem").ca.name == "other.pem"
+
+
+def test_an_answer_of_http1_is_explained():
+    """A proxy that passes HTTP/1 alone."""
+
+    def answer(listener):
+        with suppress(OSError):
+            while True:
+                stream, _ = listener.accept()
+                with stream:
+                    stream.recv(1024)
+                    stream.sendall(b"HTTP/1.1 400 Bad Request\r\nconnection: close\r\n\r\n")
+                    while stream.recv(1024):
+                        pass
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        Thread(target=answer, args=(listener,), daemon=True).start()
+        port = listener.getsockname()[1]
+        with Client(f"http://127.0.0.1:{port}") as client:
+            with pytest.raises(BendTwinError, match="grpc_pass") as refused:
+                next(client.captures(), None)
+    assert refused.value.reason == "HTTP2_NOT_SPOKEN"
 
 
 def test_other_failures_are_none_of_tls():

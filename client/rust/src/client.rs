@@ -229,7 +229,8 @@ fn connector(tls: Option<&ClientConfig>, protocol: &[u8]) -> Connector {
 pub(crate) fn unreachable(url: &str, error: &(dyn std::error::Error + 'static)) -> Error {
     match TlsError::find(error, url) {
         Some(found) => Error::of(&found),
-        None => Error::unreachable(url, innermost_cause(error)),
+        None => Error::of_http1(url, error)
+            .unwrap_or_else(|| Error::unreachable(url, innermost_cause(error))),
     }
 }
 
@@ -242,6 +243,8 @@ pub(crate) fn innermost_cause<'a>(
 
 #[cfg(test)]
 mod tests {
+    use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+
     use super::*;
 
     #[test]
@@ -254,6 +257,30 @@ mod tests {
         ] {
             assert_eq!(complete(given), url);
         }
+    }
+
+    /// A proxy that passes HTTP/1 alone.
+    #[tokio::test]
+    async fn an_answer_of_http1_is_explained() {
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let url = format!("http://{}", listener.local_addr().unwrap());
+        tokio::spawn(async move {
+            while let Ok((mut stream, _)) = listener.accept().await {
+                let mut bytes = [0; 1024];
+                stream.read(&mut bytes).await.ok();
+                let answer =
+                    b"HTTP/1.1 400 Bad Request\r\nconnection: close\r\n\r\n<html>no</html>";
+                stream.write_all(answer).await.ok();
+                // The end of the connection would be another error.
+                while stream.read(&mut bytes).await.is_ok_and(|length| length > 0) {}
+            }
+        });
+        let error = match Client::connect_with_token(&url, None).await {
+            Ok(client) => client.workers().all().await.unwrap_err(),
+            Err(error) => error,
+        };
+        assert_eq!(error.reason(), "HTTP2_NOT_SPOKEN", "{error}");
+        assert!(error.message().contains("grpc_pass"), "{error}");
     }
 
     #[tokio::test]

@@ -78,6 +78,25 @@ impl Error {
         Self::new(Category::Unavailable, "SERVER_UNREACHABLE", message)
     }
 
+    /// Something that speaks HTTP/1 where gRPC was expected, if that is what an error says.
+    pub(crate) fn of_http1(
+        server: &str,
+        error: &(dyn std::error::Error + 'static),
+    ) -> Option<Self> {
+        // The beginning of a response of HTTP/1, read as a frame of HTTP/2, has an impossible length.
+        let is_http1 = |e: &(dyn std::error::Error + 'static)| {
+            e.to_string().contains("frame with invalid size")
+        };
+        let mut causes = std::iter::successors(Some(error), |e| e.source());
+        causes.any(is_http1).then(|| {
+            let message = format!(
+                "{server} answers with HTTP/1, and gRPC takes HTTP/2: let the proxy in front of it pass \
+                 HTTP/2 on (nginx: `http2 on` and `grpc_pass`), or name the address of the server itself"
+            );
+            Self::new(Category::FailedPrecondition, "HTTP2_NOT_SPOKEN", message)
+        })
+    }
+
     /// All bytes are on the server, which does not make a capture of them.
     pub(crate) fn not_stored(url: &str) -> Self {
         let message = format!(
@@ -114,6 +133,9 @@ impl From<Status> for Error {
             // Not from the server's own code: the connection, most likely.
             if let Some(found) = TlsError::find(&status, "the server") {
                 return Self::of(&found);
+            }
+            if let Some(found) = Self::of_http1("the server", &status) {
+                return found;
             }
             let transport = std::error::Error::source(&status).is_some();
             if transport {

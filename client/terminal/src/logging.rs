@@ -6,6 +6,10 @@ use bendtwin_telemetry::Exporter;
 use clap::{Args, ValueEnum};
 use tracing_subscriber::{EnvFilter, fmt, prelude::*};
 
+/// The environment variables of the options.
+const LOG: &str = "BENDTWIN_LOG";
+const LOG_FORMAT: &str = "BENDTWIN_LOG_FORMAT";
+
 /// Format of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -23,7 +27,7 @@ pub struct Options {
     #[arg(
         long,
         global = true,
-        env = "BENDTWIN_LOG",
+        env = LOG,
         value_name = "FILTER",
         hide_short_help = true
     )]
@@ -32,12 +36,24 @@ pub struct Options {
     #[arg(
         long,
         global = true,
-        env = "BENDTWIN_LOG_FORMAT",
+        env = LOG_FORMAT,
         value_enum,
         default_value = "text",
         hide_short_help = true
     )]
     log_format: Format,
+}
+
+impl Options {
+    /// Variables of the environment with which a process of this program logs in the same way.
+    pub fn environment(&self) -> Vec<(&'static str, String)> {
+        let format = match self.log_format {
+            Format::Text => "text",
+            Format::Json => "json",
+        };
+        let filter = self.log.clone().map(|filter| (LOG, filter));
+        filter.into_iter().chain([(LOG_FORMAT, format.to_owned())]).collect()
+    }
 }
 
 /// Starts logging: at level info for a process that runs as a service, at level warn for other

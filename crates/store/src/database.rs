@@ -31,7 +31,8 @@ use crate::{
 };
 
 pub(crate) use marker::{
-    leave as leave_marker, leave_objects, require_local_objects, require_none, require_objects,
+    BACKUP, RESTORE_STATE, RESTORING, leave as leave_marker, leave_objects, require_local_objects,
+    require_none, require_objects, require_settled,
 };
 pub(crate) use postgres::{Turn, plans};
 pub(crate) use sqlite::{FILE, options};

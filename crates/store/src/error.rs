@@ -159,9 +159,8 @@ pub enum Error {
     #[problem(FailedPrecondition, "STORE_NOT_MIGRATED")]
     StoreNotMigrated { file: PathBuf, database: String },
     #[error(
-        "the database of this folder is {database}: start the server with its URL (`--database`), back it \
-         up with pg_dump (docs/run/storage.md), or remove the file `postgres` from the folder if the \
-         database is there no more"
+        "the database of this folder is {database}: name it (`--database`), or remove the file `postgres` \
+         from the folder if the database is there no more"
     )]
     #[problem(FailedPrecondition, "DATABASE_ELSEWHERE")]
     DatabaseElsewhere { database: String },
@@ -184,11 +183,18 @@ pub enum Error {
     #[problem(FailedPrecondition, "DATABASE_NEWER")]
     DatabaseNewer { migration: i64, name: String, known: i64 },
     #[error(
-        "a newer version of the program has had this store (migration {migration}): run its `bendtwin \
-         store migrate`, which knows all that is there"
+        "a newer version of the program has had this store (migration {migration}): run this command of \
+         that version, which knows all that is there"
     )]
     #[problem(FailedPrecondition, "DATABASE_NEWER")]
     StoreNewer { migration: i64 },
+    #[error(
+        "an older version of the program has this store (it lacks migration {migration}): run this \
+         command of that version, or start a server of this version first; a backup of that version can \
+         be restored with this one"
+    )]
+    #[problem(FailedPrecondition, "DATABASE_OLDER")]
+    StoreOlder { migration: i64 },
     #[error(
         "this version changes the database so that older ones cannot use it, and {servers} servers \
          have it open: stop all of them (one that was killed counts for a minute), then start this \
@@ -250,9 +256,56 @@ pub enum Error {
     #[error("text has a NUL character, which the database does not store: leave it out")]
     #[problem(InvalidArgument, "INVALID_TEXT")]
     InvalidText,
-    #[error("the folder {} is not empty: name a new one for the backup", .folder.display())]
+    #[error(
+        "the folder {} is not empty and no backup: name a new one for the backup", .folder.display()
+    )]
     #[problem(FailedPrecondition, "BACKUP_NOT_EMPTY")]
     BackupNotEmpty { folder: PathBuf },
+    #[error(
+        "the folder {} has a backup of another store (a restored store is another one): name a new folder",
+        .folder.display()
+    )]
+    #[problem(FailedPrecondition, "BACKUP_OF_ANOTHER_STORE")]
+    BackupOfAnother { folder: PathBuf },
+    #[error(
+        "another command or a server uses the backup in {}: retry when it has ended", .folder.display()
+    )]
+    #[problem(FailedPrecondition, "BACKUP_IN_USE")]
+    BackupInUse { folder: PathBuf },
+    #[error(
+        "the first backup into {} has not been completed: run it again, or restore another", .folder.display()
+    )]
+    #[problem(FailedPrecondition, "BACKUP_INCOMPLETE")]
+    BackupIncomplete { folder: PathBuf },
+    #[error("the backup in {} is damaged ({fault}): restore another", .folder.display())]
+    #[problem(DataLoss, "BACKUP_DAMAGED")]
+    BackupDamaged { folder: PathBuf, fault: String },
+    #[error("the file backup.json in {} cannot be read ({fault})", .folder.display())]
+    #[problem(FailedPrecondition, "BACKUP_UNREADABLE")]
+    BackupUnreadable { folder: PathBuf, fault: String },
+    #[error(
+        "the folder {} is a backup: restore it to a data folder (`bendtwin store restore`)", .folder.display()
+    )]
+    #[problem(FailedPrecondition, "IS_BACKUP")]
+    IsBackup { folder: PathBuf },
+    #[error(
+        "the restore to {} has not ended: run the same `bendtwin store restore` again, which continues it, \
+         or remove the folder and what it has restored", .folder.display()
+    )]
+    #[problem(FailedPrecondition, "RESTORE_UNFINISHED")]
+    RestoreUnfinished { folder: PathBuf },
+    #[error(
+        "a restore of another backup, or to another database or bucket, has begun in {}: run that again, or \
+         remove the folder and what it has restored", .folder.display()
+    )]
+    #[problem(FailedPrecondition, "ANOTHER_RESTORE")]
+    AnotherRestore { folder: PathBuf },
+    #[error("the folder {} is not empty: restore to a new data folder", .folder.display())]
+    #[problem(FailedPrecondition, "DATA_DIR_NOT_EMPTY")]
+    DataDirNotEmpty { folder: PathBuf },
+    #[error("there is content in {objects}: restore to an empty bucket, or below another prefix")]
+    #[problem(FailedPrecondition, "OBJECTS_NOT_EMPTY")]
+    ObjectsNotEmpty { objects: String },
     #[error("the content {digest} of {name} is missing: run `bendtwin store check`")]
     #[problem(DataLoss, "CONTENT_LOST")]
     ContentLost { name: String, digest: String },

@@ -3,7 +3,7 @@
 
 pub(crate) mod disk;
 
-use std::{fs, io, path::Path};
+use std::{fs, io, io::Write as _, path::Path};
 
 /// Permissions of a file.
 pub(crate) const FILE: u32 = 0o600;
@@ -18,6 +18,27 @@ pub(crate) fn make(path: &Path) -> io::Result<()> {
     #[cfg(unix)]
     std::os::unix::fs::DirBuilderExt::mode(&mut builder, FOLDER);
     builder.create(path)
+}
+
+/// Creates a file that only its owner can read, in place of one of that name.
+pub(crate) fn create(path: &Path) -> io::Result<fs::File> {
+    let mut options = fs::OpenOptions::new();
+    options.write(true).create(true).truncate(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, FILE);
+    let file = options.open(path)?;
+    close_to_others(path, FILE);
+    Ok(file)
+}
+
+/// Writes a file that only its owner can read: whole and durably, or not at all.
+pub(crate) fn write(path: &Path, content: &[u8]) -> io::Result<()> {
+    let partial = path.with_extension("partial");
+    let mut file = create(&partial)?;
+    file.write_all(content)?;
+    file.sync_all()?;
+    fs::rename(&partial, path)?;
+    path.parent().map_or(Ok(()), sync)
 }
 
 /// Takes the permissions of others away from a file or a folder that the store made.

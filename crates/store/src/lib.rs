@@ -183,5 +183,8 @@ pub use uploads::{
 };
 pub use usage::{OwnerUsage, StoredBytes, Usage};
 
+/// Name of the file in a data folder with the token of clients.
+pub const CLIENT_TOKEN: &str = "client-token";
+
 /// BLAKE3 digest of a blob.
 pub use blake3::Hash as Digest;

@@ -89,13 +89,14 @@ impl Store {
     /// # Errors
     /// [`Error::DataDirInUse`] if another server has it open; [`Error::DatabaseMissing`],
     /// [`Error::DatabaseElsewhere`], [`Error::StoreNotMigrated`] and [`Error::StoreMismatch`] if
-    /// database and blobs do not belong together; [`Error::DatabaseDamaged`],
+    /// database and blobs do not belong together; [`Error::IsBackup`], [`Error::RestoreUnfinished`]; [`Error::DatabaseDamaged`],
     /// [`Error::DatabaseUnavailable`], [`Error::DatabaseUnfit`]; [`Error::DatabaseNewer`],
     /// [`Error::OlderServersRun`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
         let Options { data_dir, database: url, objects, clock, observer } = options;
         let meter = |part| Meter::new(part, observer.clone());
         folder::make(&data_dir)?;
+        database::require_settled(&data_dir)?;
         let lock = match url {
             None => database::lock(&data_dir)?,
             // Rows are shared with other servers, and their content may be in one folder.

@@ -6,6 +6,7 @@
 mod error;
 mod files;
 mod name;
+mod renewal;
 mod revocation;
 
 use std::{

@@ -10,11 +10,11 @@ use std::{
 use axum::http::{HeaderMap, HeaderValue, header};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_core::{Category, Fault};
+use bendtwin_store::CLIENT_TOKEN as FILE;
 use blake3::Hash;
 
 use crate::refusal::Refusal;
 
-const FILE: &str = "client-token";
 /// Fewest characters that count as a token.
 const SHORTEST: usize = 32;
 /// The protocol of a WebSocket that is followed by the token.
@@ -33,6 +33,15 @@ pub(crate) fn challenges(request: &HeaderMap) -> impl Iterator<Item = HeaderValu
 /// The file of the token.
 pub(crate) fn path(data_dir: &Path) -> PathBuf {
     data_dir.join(FILE)
+}
+
+/// Reads the token of a file that others keep.
+pub(crate) fn read(path: &Path) -> Result<String, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    match text.trim() {
+        token if is_token(token) => Ok(token.to_owned()),
+        _ => Err("its content is no token".to_owned()),
+    }
 }
 
 /// Reads the token, or makes one.

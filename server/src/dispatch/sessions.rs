@@ -25,7 +25,7 @@ use bendtwin_proto::{
 use tokio::time::Instant;
 
 use super::{
-    Dispatch, call,
+    Dispatch, Learned, call,
     line::Ask,
     registry::{Entry, HeldSession},
     rollout::{Ends, ReplyHold, ReplyStream, RollOut, Whole},
@@ -78,7 +78,7 @@ impl Dispatch {
             let workers = self.store.workers().all().await?;
             let its = workers.into_iter().find(|w| session.may_be_at(w.registration.id));
             let Some(worker) = its else { return Ok(()) };
-            if !self.learn(worker)? {
+            if self.learn(worker).await? == Learned::Unusable {
                 return Err(Error::SessionElsewhere(session.to_string()));
             }
             entry = named();

@@ -25,6 +25,7 @@ use super::{
 };
 use crate::{
     app::{App, Error},
+    context::Context,
     grpc::InProcess,
     memory::{GRPC_PREFIX, Kind},
     refusal::Refusal,
@@ -126,7 +127,8 @@ impl RpcRoute {
             .extension(InProcess)
             .body(Body::from(body.freeze()))
             .map_err(|e| internal(&e))?;
-        let Ok(response) = self.grpc.clone().oneshot(request).await;
+        let context = Context { is_in_process: true, ..Context::current() };
+        let Ok(response) = context.scope(self.grpc.clone().oneshot(request)).await;
         let (head, body) = response.into_parts();
         let collected = body.collect().await.map_err(|e| internal(&e))?;
         let status = collected.trailers().and_then(Status::from_header_map);

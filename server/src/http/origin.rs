@@ -44,7 +44,7 @@ impl Hosts {
 }
 
 /// The one host that a request names; HTTP/1.0 does without.
-fn host(request: &Request<Body>) -> Result<Option<Authority>, Refusal> {
+pub(super) fn host(request: &Request<Body>) -> Result<Option<Authority>, Refusal> {
     let mut headers = request.headers().get_all(header::HOST).iter();
     let first = headers.next();
     if headers.next().is_some() {

@@ -18,7 +18,10 @@ use http_body_util::BodyExt as _;
 use tower::ServiceExt;
 use tracing::Instrument;
 
-use super::{origin::Hosts, uploads};
+use super::{
+    origin::{self, Hosts},
+    security, uploads,
+};
 use crate::{
     access::{self, Access, Caller, Flight, Gate, client_token},
     context::Context,
@@ -89,10 +92,15 @@ impl RootService {
         // The pattern or the method that matches, never any path: labels of metrics are to be few.
         let method = is_grpc.then(|| self.methods.get(request.uri().path()).cloned()).flatten();
         let metrics = self.metrics.clone();
+        let is_encrypted = matches!(self.transport, Transport::Tls(_));
+        let host = origin::host(&request).ok().flatten().map(|host| host.host().to_owned());
         let answered = context.clone().scope(self.admit_and_answer(request, call));
         let mut response = answered.instrument(span.clone()).await;
         if let Ok(id) = HeaderValue::from_str(&context.request_id) {
             response.headers_mut().insert("x-request-id", id);
+        }
+        if !is_grpc {
+            security::harden(&mut response, host.as_deref(), is_encrypted);
         }
         let took = started.elapsed();
         let transport = if is_grpc { "grpc" } else { "http" };

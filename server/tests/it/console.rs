@@ -48,6 +48,33 @@ async fn the_page_and_its_files_need_no_token_and_the_api_still_does() {
     }
 }
 
+/// The page of the API, and all that is not a page.
+#[tokio::test]
+async fn other_responses_are_closed_to_strange_content_too() {
+    let server = Server::start().await;
+    let page = get(&server, "/docs", &[]).await;
+    let policy = text(page.headers(), "content-security-policy").to_owned();
+    let page = page.text().await.unwrap();
+    let (_, rest) = policy.split_once("script-src 'nonce-").unwrap();
+    let nonce = &rest[..rest.find('\'').unwrap()];
+    assert!(nonce.len() >= 32 && policy.starts_with("default-src 'none'"), "{policy}");
+    assert!(!policy.contains("unsafe"), "{policy}");
+    for part in ["script", "style"] {
+        let opened = page.matches(&format!("<{part}")).count();
+        assert_eq!(page.matches(&format!("<{part} nonce=\"{nonce}\"")).count(), opened);
+    }
+    let again = get(&server, "/docs", &[]).await;
+    assert!(
+        !text(again.headers(), "content-security-policy").contains(nonce),
+        "a new one each time"
+    );
+    for path in ["/docs", "/openapi.json", "/v1/captures", "/v1/nothing", "/healthz"] {
+        let response = get(&server, path, &[]).await;
+        assert_eq!(text(response.headers(), "x-content-type-options"), "nosniff", "{path}");
+        assert!(!response.headers().contains_key("strict-transport-security"), "{path}");
+    }
+}
+
 #[tokio::test]
 async fn the_page_may_talk_to_its_server_alone() {
     let server = Server::start().await;

@@ -101,6 +101,29 @@ async fn unsound_settings_are_refused_with_all_faults() {
     assert_eq!(list.fits, [fit]);
 }
 
+/// Clients of gRPC refuse more than 8 KiB of metadata, with another error.
+#[tokio::test]
+async fn many_faults_reach_clients_of_both_transports() {
+    let server = Server::start().await;
+    let capture = server.capture().await;
+    let names: Vec<String> = (10..40).map(|n| format!("setting_that_is_not_there_{n}")).collect();
+    let settings: Value = names.iter().map(|name| (name.clone(), json!(1))).collect();
+    let (status, problem) =
+        server.post("/v1/fits", json!({"capture": capture, "settings": settings})).await;
+    let detail = problem["detail"].as_str().unwrap();
+    // Twenty are reported.
+    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_SETTINGS")));
+    assert!(names[..20].iter().all(|name| detail.contains(name)), "{detail}");
+    let settings_json = settings.to_string();
+    let request = CreateFitRequest { capture, settings_json, ..CreateFitRequest::default() };
+    let status = server.fits().create_fit(request).await.unwrap_err();
+    assert_eq!(status.code(), tonic::Code::InvalidArgument, "{status:?}");
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "INVALID_SETTINGS");
+    let message = status.message();
+    assert!(message.contains(&names[0]) && message.ends_with(" more"), "{message}");
+    assert!(message.len() <= 1400 && detail.len() > 5000, "{} {}", message.len(), detail.len());
+}
+
 /// Reads the events of a fit until the server ends them.
 async fn events(server: &Server, fit: &str, last: Option<&str>) -> Vec<(u64, Value)> {
     let mut request = server.http.get(server.url(&format!("/v1/{fit}/events")));

@@ -41,6 +41,7 @@ impl Server {
     fn check_paths(&self) -> anyhow::Result<()> {
         let paths = [
             ("--data-dir", &self.data_dir),
+            ("--client-token-file", &self.client_token_file),
             ("--tls-certificate", &self.tls_certificate),
             ("--tls-key", &self.tls_key),
             ("--worker-tls-certificate", &self.worker_tls_certificate),

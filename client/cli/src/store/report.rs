@@ -1,7 +1,7 @@
 //! Outcomes of `bendtwin store` for people.
 
 use bendtwin_server::maintenance::{
-    Backup, CheckReport, Damage, Migration, MovedTable, Relocation, Repair,
+    Backup, CheckReport, CopiedTable, Damage, Migration, Relocation, Repair, Restore,
 };
 
 use crate::{output, table::Table};
@@ -43,18 +43,54 @@ pub(super) fn repair(done: &Repair) -> String {
 pub(super) fn backup(done: &Backup) -> String {
     let mut lines: Vec<String> = damages(&done.lost).into_iter().collect();
     let (blobs, size) = (done.blobs, output::bytes(done.blobs_bytes));
+    let (rows, brought) = (done.tables.iter().map(|table| table.rows).sum::<u64>(), done.brought);
     let shared = match done.linked {
         0 => String::new(),
-        n => format!("; {n} of them share the files of the store (same disk)"),
+        n => format!(", {n} of them as links to the files of the store (same disk)"),
     };
-    lines.push(format!("Copied the database and {blobs} blobs ({size}){shared}."));
+    lines.push(format!("{rows} rows and {blobs} blobs ({size}); {brought} are new here{shared}."));
+    lines.push(match done.client_token {
+        true => "The client token is part of it.".to_owned(),
+        false => {
+            "There is no client token: a server of the restored store makes a new one.".to_owned()
+        }
+    });
+    if let Some(taken) = done.manifest.taken {
+        let database = &done.manifest.database;
+        lines.push(format!("The backup has what {database} had at {taken:.0}."));
+    }
+    lines.join("\n")
+}
+
+/// What a restored store has, and how to start its server.
+pub(super) fn restore(done: &Restore) -> String {
+    let mut table = Table::new(["TABLE", "ROWS"]);
+    for CopiedTable { name, rows, .. } in done.tables.iter().filter(|table| table.rows > 0) {
+        table.row([name.clone(), rows.to_string()]);
+    }
+    let mut lines = vec![table.text()];
+    lines.extend(damages(&done.lost));
+    let Restore { database, objects, blobs, .. } = done;
+    let size = output::bytes(done.blobs_bytes);
+    lines.push(format!("The rows are in {database}, and {blobs} blobs ({size}) in {objects}."));
+    if let Some(taken) = done.manifest.as_ref().and_then(|manifest| manifest.taken) {
+        lines.push(format!("That is what the store had at {taken:.0}."));
+    }
+    lines.push(match done.client_token {
+        true => "The client token is that of the backup.".to_owned(),
+        false => "The client token is not from the backup: a server that finds none makes one."
+            .to_owned(),
+    });
+    lines.push(
+        "Start the server with the same data folder, database and place of content.".to_owned(),
+    );
     lines.join("\n")
 }
 
 /// The tables that were moved, and where to.
 pub(super) fn migration(done: &Migration) -> String {
     let mut table = Table::new(["TABLE", "ROWS", "BLAKE3 ON BOTH SIDES"]);
-    for MovedTable { name, rows, digest } in &done.tables {
+    for CopiedTable { name, rows, digest } in &done.tables {
         table.row([name.clone(), rows.to_string(), digest.clone()]);
     }
     let done_before = if done.was_moved { "had been moved before" } else { "are moved" };

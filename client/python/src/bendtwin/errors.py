@@ -11,7 +11,7 @@ import grpc
 from google.protobuf.message import DecodeError
 from google.rpc import error_details_pb2, status_pb2
 
-from bendtwin.connection.transport import tls_fault
+from bendtwin.connection.transport import http1_fault, tls_fault
 
 if TYPE_CHECKING:
     from bendtwin.resources import Capture, Fit
@@ -110,7 +110,9 @@ def from_rpc_error(error: grpc.RpcError) -> BendTwinError:
         elif detail.Is(request.DESCRIPTOR) and detail.Unpack(request):
             request_id = request.request_id
     details = error.details() or category.value
-    fault = tls_fault(details) if category is Category.UNAVAILABLE else None
+    fault = None
+    if category is Category.UNAVAILABLE:
+        fault = tls_fault(details) or http1_fault(details)
     if fault is not None:
         return BendTwinError(Category.FAILED_PRECONDITION, *fault)
     return BendTwinError(category, reason, details, request_id)

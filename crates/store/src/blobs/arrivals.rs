@@ -20,7 +20,7 @@ use uuid::Uuid;
 use super::references;
 use crate::{
     Error, Result, Staged, Store,
-    sql::{Builder, query, query_scalar},
+    sql::{Builder, Transaction, query, query_scalar},
 };
 
 /// Time for which an arrival keeps content.
@@ -133,15 +133,11 @@ impl Store {
         let deletion = Deletion::of(digest.to_owned());
         let mut tx = self.inner.database.write().await?;
         let now = self.lease_until(&tx, Duration::ZERO);
-        let is_busy: bool = query_scalar(
-            "select exists (select 1 from arrivals where digest = $1 and until_at > $2)
-                 or exists (select 1 from deletions where digest = $1)",
-        )
-        .bind(digest)
-        .bind(now)
-        .fetch_one(&mut tx)
-        .await?;
-        if is_busy || references::exist(&mut tx, digest).await? {
+        let is_deleted = "select exists (select 1 from deletions where digest = $1)";
+        if self.has_arrival(&mut tx, digest).await?
+            || query_scalar(is_deleted).bind(digest).fetch_one(&mut tx).await?
+            || references::exist(&mut tx, digest).await?
+        {
             return Ok(None);
         }
         query("insert into deletions (digest, id, begun_at) values ($1, $2, $3)")
@@ -152,6 +148,13 @@ impl Store {
             .await?;
         tx.commit().await?;
         Ok(Some(deletion))
+    }
+
+    /// True if content is about to be referred to, or to be copied by a backup.
+    pub(crate) async fn has_arrival(&self, tx: &mut Transaction, digest: &str) -> Result<bool> {
+        let now = self.lease_until(tx, Duration::ZERO);
+        let kept = "select exists (select 1 from arrivals where digest = $1 and until_at > $2)";
+        query_scalar(kept).bind(digest).bind(now).fetch_one(tx).await
     }
 
     /// Removes content whose deletion has begun. If that fails, or comes too late, the deletion stays

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::PUBLISHED;
-use crate::{Result, folder};
+use crate::{Digest, Result, folder};
 
 /// Name of the file with the identity.
 const IDENTITY: &str = "identity";
@@ -40,6 +40,13 @@ pub(crate) fn set_identity(root: &Path, identity: &str) -> Result<()> {
     fs::rename(partial, root.join(IDENTITY))?;
     folder::sync(root)?;
     Ok(())
+}
+
+/// True if a file has the content of this digest.
+pub(crate) fn is_content(file: &Path, digest: &str) -> io::Result<bool> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(fs::File::open(file)?)?;
+    Ok(Digest::from_hex(digest).is_ok_and(|wanted| wanted == hasher.finalize()))
 }
 
 /// All published blobs by digest, with their sizes [bytes].
@@ -79,7 +86,8 @@ pub(crate) fn list(folder: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
     Ok(files)
 }
 
-fn folders(root: &Path) -> io::Result<Vec<PathBuf>> {
+/// The folders of published blobs.
+pub(crate) fn folders(root: &Path) -> io::Result<Vec<PathBuf>> {
     let entries = entries(&root.join(PUBLISHED))?.into_iter();
     Ok(entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect())
 }

@@ -35,9 +35,7 @@ impl Store {
         let blobs = self.blobs();
         identity::verify(&self.inner.database, blobs.place()).await?;
         self.forget_deleted_requests().await?;
-        if blobs.place().is_shared() {
-            self.take_over_deletions(arrivals::TAKEN_OVER).await?;
-        }
+        self.take_over_deletions(arrivals::TAKEN_OVER).await?;
         match blobs.place() {
             Place::Folder(folder) => self.collect_in_folder(folder).await,
             Place::Bucket(bucket) => self.collect_in_bucket(bucket).await,
@@ -82,7 +80,7 @@ impl Store {
         }
     }
 
-    /// The closed gate, if no row refers to a blob: none will while it is held.
+    /// The closed gate, if neither a row nor a backup needs a blob: none will while it is held.
     async fn unless_referred(&self, digest: &str) -> Result<Option<RwLockWriteGuard<'_, ()>>> {
         // Most are in use: do not bar others for those.
         if references::exist(self.inner.database.read(), digest).await? {
@@ -92,6 +90,7 @@ impl Store {
         // A transaction that refers to it may be under way still, although its connection broke:
         // the lock on writing waits for its end.
         let mut tx = self.inner.database.write().await?;
-        Ok((!references::exist(&mut tx, digest).await?).then_some(gate))
+        let is_kept = self.has_arrival(&mut tx, digest).await?;
+        Ok((!is_kept && !references::exist(&mut tx, digest).await?).then_some(gate))
     }
 }

@@ -1,6 +1,6 @@
-//! Files in the data folder that say that its database, or its content, is elsewhere. Without them
-//! a server started without the URL would begin with an empty database beside it, or continue with
-//! old data.
+//! Files in the data folder that say what it is: that its database, or its content, is elsewhere, that it
+//! is a backup, or that a restore has not ended. Without them a server started without the URL would begin
+//! with an empty database beside it, or continue with old data.
 
 use std::{fs, io, path::Path};
 
@@ -10,6 +10,24 @@ use crate::{Error, ObjectsUrl, Result, folder};
 /// Names of the files.
 const DATABASE: &str = "postgres";
 const OBJECTS: &str = "objects";
+
+/// Name of the file that makes a folder a backup.
+pub(crate) const BACKUP: &str = "backup.json";
+/// Name of the folder of a restore under way, and of the file in it that says so.
+pub(crate) const RESTORING: &str = "restoring";
+pub(crate) const RESTORE_STATE: &str = "restore.json";
+
+/// Refuses a folder that is a backup, and one whose restore has not ended.
+pub(crate) fn require_settled(data_dir: &Path) -> Result<()> {
+    let folder = data_dir.to_owned();
+    if data_dir.join(BACKUP).try_exists()? {
+        return Err(Error::IsBackup { folder });
+    }
+    if data_dir.join(RESTORING).join(RESTORE_STATE).try_exists()? {
+        return Err(Error::RestoreUnfinished { folder });
+    }
+    Ok(())
+}
 
 /// Refuses SQLite in a folder whose database is elsewhere.
 pub(crate) fn require_none(data_dir: &Path) -> Result<()> {

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, io, path::Path};
 use serde::Serialize;
 
 use super::{
-    integrity,
+    integrity, rows,
     survey::{self, Damage, Depth},
 };
 use crate::{
@@ -56,10 +56,10 @@ impl CheckReport {
     }
 }
 
-/// Checks a store, beside a running server or without one.
+/// Checks a store, beside a running server or without one, or a backup.
 ///
 /// # Errors
-/// [`Error::NotFound`] if there is no database; database and file errors other than damage.
+/// [`Error::NotFound`] if there is no database; [`Error::StoreNewer`], [`Error::StoreOlder`]; database and file errors other than damage.
 pub async fn check(data_dir: &Path, depth: Depth) -> Result<CheckReport> {
     database::require_none(data_dir)?;
     database::require_local_objects(data_dir, NOT_CHECKED)?;
@@ -73,6 +73,9 @@ pub async fn check(data_dir: &Path, depth: Depth) -> Result<CheckReport> {
         connection => connection?,
     };
     report.database = integrity::faults(&mut connection).await?;
+    if report.database.is_empty() {
+        rows::require_current(&mut connection).await?;
+    }
     let survey = async {
         let mine = integrity::identity(&mut connection).await?;
         let theirs = files::identity(&blobs)?;

@@ -5,15 +5,14 @@
 //! kept. Then a marker in the folder says where its content is, and the old folder is kept under
 //! another name. Uploads under way are not moved: they begin again.
 
-use std::{collections::BTreeMap, fs, io, path::Path, sync::Arc};
+use std::{fs, path::Path};
 
-use futures::{TryStreamExt as _, future::try_join_all};
+use futures::future::try_join_all;
 use serde::Serialize;
 
-use super::survey;
 use crate::{
     Error, ObjectsUrl, Result,
-    blobs::{Bucket, Place, files, own, published},
+    blobs::{Place, files, own},
     database, folder,
     meter::{Meter, Part},
 };
@@ -43,6 +42,7 @@ pub struct Relocation {
 /// [`Error::StoreMismatch`] if the place has the content of another store;
 /// [`Error::ObjectsElsewhere`], [`Error::ObjectsUnavailable`], [`Error::ObjectsRefused`]; file errors.
 pub async fn relocate(data_dir: &Path, to: &ObjectsUrl) -> Result<Relocation> {
+    database::require_settled(data_dir)?;
     let from = own(data_dir);
     let identity = match from.is_dir() {
         true => files::identity(&from)?,
@@ -61,11 +61,13 @@ pub async fn relocate(data_dir: &Path, to: &ObjectsUrl) -> Result<Relocation> {
         }
     }
     let mut done = Relocation { objects: to.to_string(), ..Relocation::default() };
-    let there = sizes(&place).await?;
+    let there = place.sizes().await?;
     for some in files::all(&from)?.chunks(AT_ONCE) {
-        let moved = some.iter().map(|(digest, size_bytes)| {
-            let is_there = there.get(digest) == Some(size_bytes);
-            bring(&from, &place, digest, *size_bytes, is_there)
+        let moved = some.iter().map(async |(digest, size_bytes)| {
+            match there.get(digest) == Some(size_bytes) {
+                true => Ok::<_, Error>(true),
+                false => place.put(digest, files::published(&from, digest)).await,
+            }
         });
         for (moved, (digest, size_bytes)) in try_join_all(moved).await?.into_iter().zip(some) {
             match moved {
@@ -81,61 +83,4 @@ pub async fn relocate(data_dir: &Path, to: &ObjectsUrl) -> Result<Relocation> {
     fs::rename(&from, data_dir.join(KEPT))?;
     folder::sync(data_dir)?;
     Ok(done)
-}
-
-/// Sizes of the blobs that are in a place [bytes].
-async fn sizes(place: &Place) -> Result<BTreeMap<String, u64>> {
-    match place {
-        Place::Folder(folder) => Ok(files::all(folder.root())?.into_iter().collect()),
-        Place::Bucket(bucket) => of_bucket(bucket).await,
-    }
-}
-
-async fn of_bucket(bucket: &Arc<Bucket>) -> Result<BTreeMap<String, u64>> {
-    let mut sizes = BTreeMap::new();
-    let mut listed = bucket.published();
-    while let Some(object) = listed.try_next().await? {
-        let digest = object.location.filename().map(str::to_owned);
-        sizes.extend(digest.map(|digest| (digest, object.size)));
-    }
-    Ok(sizes)
-}
-
-/// Copies a blob unless it exists. Returns false if it is damaged.
-async fn bring(
-    from: &Path,
-    place: &Place,
-    digest: &str,
-    size_bytes: u64,
-    is_there: bool,
-) -> Result<bool> {
-    if is_there {
-        return Ok(true);
-    }
-    let file = files::published(from, digest);
-    let (checked, wanted) = (file.clone(), digest.to_owned());
-    let checking = tokio::task::spawn_blocking(move || survey::is_content(&checked, &wanted));
-    if !checking.await.map_err(io::Error::other)?? {
-        return Ok(false);
-    }
-    match place {
-        Place::Bucket(bucket) => bucket.send(&file, &published(digest), size_bytes).await?,
-        Place::Folder(folder) => {
-            let to = folder.file(digest);
-            let copying = tokio::task::spawn_blocking(move || copy(&file, &to));
-            copying.await.map_err(io::Error::other)??;
-        }
-    }
-    Ok(true)
-}
-
-/// Copies a file, atomically and durably.
-fn copy(from: &Path, to: &Path) -> io::Result<()> {
-    let parent = to.parent().unwrap_or(to);
-    folder::make(parent)?;
-    let partial = to.with_extension("partial");
-    fs::copy(from, &partial)?;
-    fs::File::open(&partial)?.sync_all()?;
-    fs::rename(&partial, to)?;
-    folder::sync(parent)
 }

@@ -45,6 +45,7 @@ pub async fn repair(data_dir: &Path) -> Result<Repair> {
     if !data_dir.is_dir() {
         return Err(Error::NotFound { name: data_dir.display().to_string() });
     }
+    database::require_settled(data_dir)?;
     database::require_none(data_dir)?;
     database::require_local_objects(data_dir, "restore a version of it there")?;
     let lock = database::lock(data_dir)?;
@@ -137,7 +138,7 @@ fn restore(blobs: &Path, damage: &Damage, done: &mut Repair) -> Result<bool> {
     let place = files::published(blobs, &damage.digest);
     if place.exists() {
         // Two rows may share what the first of them brought back.
-        if survey::is_content(&place, &damage.digest)? {
+        if files::is_content(&place, &damage.digest)? {
             return Ok(true);
         }
         let kept = files::beside(blobs, "damaged", &damage.digest);
@@ -151,7 +152,7 @@ fn restore(blobs: &Path, damage: &Damage, done: &mut Repair) -> Result<bool> {
     }
     for folder in ["trash", "found"] {
         let file = files::beside(blobs, folder, &damage.digest);
-        if file.exists() && survey::is_content(&file, &damage.digest)? {
+        if file.exists() && files::is_content(&file, &damage.digest)? {
             shift(&file, &place)?;
             let Damage { name, part, .. } = damage;
             done.actions.push(format!("took the {part} of {name} back from blobs/{folder}"));

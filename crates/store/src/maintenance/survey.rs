@@ -4,10 +4,7 @@ use std::{fs, io, path::Path};
 
 use serde::Serialize;
 
-use crate::{
-    Digest,
-    blobs::{files, references::Reference},
-};
+use crate::blobs::{files, references::Reference};
 
 /// Part of a reference to an upload that is whole and not yet a capture.
 pub(super) const UPLOAD: &str = "upload";
@@ -56,19 +53,13 @@ pub(super) fn inspect(
                     Some(format!("{found} bytes instead of {stored}"))
                 }
                 _ if depth == Depth::Sizes => None,
-                _ => (!is_content(&file, &reference.digest)?).then(|| "other content".to_owned()),
+                _ => (!files::is_content(&file, &reference.digest)?)
+                    .then(|| "other content".to_owned()),
             }
         }
     };
     let Reference { name, part, digest, .. } = reference.clone();
     Ok(fault.map(|fault| Damage { name, part, digest, fault }))
-}
-
-/// True if a file has the content of this digest.
-pub(super) fn is_content(file: &Path, digest: &str) -> io::Result<bool> {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(fs::File::open(file)?)?;
-    Ok(Digest::from_hex(digest).is_ok_and(|wanted| wanted == hasher.finalize()))
 }
 
 /// True if the content of an upload is still in the file in which it arrived.

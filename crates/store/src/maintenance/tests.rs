@@ -16,13 +16,13 @@ use crate::{
     store::tests::{Bench, LEASE, lease_of, new_capture, new_fit},
 };
 
-fn file(dir: &Path, content: &str) -> PathBuf {
+pub(super) fn file(dir: &Path, content: &str) -> PathBuf {
     files::published(&dir.join("blobs"), &blake3::hash(content.as_bytes()).to_hex())
 }
 
 /// A capture whose ingest has made `seen`, `played`, `followed`, `{}` and `<p>`, and to which `poses`
 /// were added.
-async fn observed(bench: &Bench, content: &'static str) -> Capture {
+pub(super) async fn observed(bench: &Bench, content: &'static str) -> Capture {
     let capture = bench.fresh_capture(content).await;
     let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
     let report = NewReport {
@@ -44,7 +44,7 @@ async fn observed(bench: &Bench, content: &'static str) -> Capture {
 }
 
 /// A fit under way whose checkpoint is `half way`.
-async fn half_way(bench: &Bench, capture: &Capture) {
+pub(super) async fn half_way(bench: &Bench, capture: &Capture) {
     bench.store.jobs().create_fit(new_fit(capture)).await.unwrap();
     let lease = lease_of(&bench.claim(Kind::Fit).await.unwrap());
     let checkpoint = bench.stage("half way").await;
@@ -55,7 +55,7 @@ async fn open(dir: &Path) -> Store {
     Store::open(Options::new(dir)).await.unwrap()
 }
 
-async fn content(store: &Store, id: CaptureId) -> crate::Result<u64> {
+pub(super) async fn content(store: &Store, id: CaptureId) -> crate::Result<u64> {
     Ok(store.captures().content(id).await?.1.size_bytes)
 }
 
@@ -244,54 +244,6 @@ async fn beyond_repair_is_said_and_nothing_is_changed() {
     assert!(file(dir.path(), "archive").exists());
 }
 
-/// Captures come and go all the time while the backup is made.
-#[tokio::test(flavor = "multi_thread")]
-async fn a_backup_beside_a_busy_server_is_complete() {
-    let bench = Bench::new(On::Sqlite).await;
-    let kept = observed(&bench, "archive").await;
-    half_way(&bench, &kept).await;
-    let store = bench.store.clone();
-    let busy = tokio::spawn(async move {
-        let mut last: Option<Capture> = None;
-        for number in 0_u64.. {
-            let mut upload = store.blobs().upload(1 << 20).await.unwrap();
-            upload.write(Bytes::from(number.to_string())).await.unwrap();
-            let content = upload.finish(None).await.unwrap();
-            let new = store.captures().create(new_capture("", content)).await.unwrap();
-            if let Some(old) = last.replace(new) {
-                store.captures().delete(old.id).await.unwrap();
-            }
-        }
-    });
-    let to = tempfile::tempdir().unwrap();
-    for number in 0..5 {
-        let to = to.path().join(number.to_string());
-        let done = backup(bench.dir.path(), &to).await.unwrap();
-        assert!(done.lost.is_empty(), "{done:?}");
-        let found = check(&to, Depth::Digests).await.unwrap();
-        assert!(found.is_sound() && found.unreferenced.is_empty(), "{found:?}");
-        assert_eq!(found.blobs, done.blobs);
-        let store = open(&to).await;
-        assert_eq!(content(&store, kept.id).await.unwrap(), 7);
-        store.close().await;
-    }
-    busy.abort();
-    let again = backup(bench.dir.path(), to.path()).await;
-    assert!(matches!(again, Err(Error::BackupNotEmpty { .. })));
-}
-
-#[tokio::test]
-async fn a_backup_names_what_the_store_lacks() {
-    let bench = Bench::new(On::Sqlite).await;
-    bench.capture("archive").await;
-    bench.capture("another").await;
-    fs::remove_file(file(bench.dir.path(), "another")).unwrap();
-    let to = tempfile::tempdir().unwrap();
-    let done = backup(bench.dir.path(), to.path()).await.unwrap();
-    assert_eq!((done.blobs, done.lost.len()), (1, 1));
-    assert_eq!(done.lost[0].fault, "missing");
-}
-
 #[tokio::test]
 async fn content_moves_to_a_bucket_and_an_interrupted_move_resumes() {
     let Some(on) = On::bucket_or_skip() else { return };
@@ -323,14 +275,13 @@ async fn content_moves_to_a_bucket_and_an_interrupted_move_resumes() {
 
     let without = Store::open(Options::new(data_dir)).await.unwrap_err();
     assert!(matches!(without, Error::ObjectsElsewhere { .. }), "{without}");
-    for refused in [
-        check(data_dir, Depth::Sizes).await.map(drop),
-        repair(data_dir).await.map(drop),
-        backup(data_dir, &data_dir.join("to")).await.map(drop),
-    ] {
+    for refused in [check(data_dir, Depth::Sizes).await.map(drop), repair(data_dir).await.map(drop)]
+    {
         let refused = refused.unwrap_err();
         assert!(matches!(refused, Error::ObjectsNotLocal { .. }), "{refused}");
     }
+    let refused = backup(&Site::new(data_dir), &data_dir.join("to")).await.unwrap_err();
+    assert!(matches!(refused, Error::ObjectsElsewhere { .. }), "{refused}");
     let store = Store::open(with).await.unwrap();
     assert_eq!(content(&store, capture.id).await.unwrap(), 7);
     let lost = content(&store, other.id).await.unwrap_err();

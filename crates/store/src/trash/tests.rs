@@ -284,7 +284,7 @@ async fn what_is_in_the_trash_counts_for_its_owner(on: On) {
 /// The check sees content that is gone, a backup has it, and a repair brings back what it can, as
 /// for what is not in the trash.
 async fn the_check_and_a_backup_have_what_is_in_the_trash(on: On) {
-    use crate::maintenance::{Depth, backup, check, repair};
+    use crate::maintenance::{Depth, Site, backup, check, repair, restore};
     if on != On::Sqlite {
         return;
     }
@@ -296,8 +296,9 @@ async fn the_check_and_a_backup_have_what_is_in_the_trash(on: On) {
     assert!(report.is_sound() && report.unreferenced.is_empty(), "{report:?}");
     assert_eq!((report.references, report.blobs), (7, 7));
     let copy = tempfile::tempdir().unwrap();
-    let to = copy.path().join("copy");
-    backup(dir, &to).await.unwrap();
+    let (kept, to) = (copy.path().join("kept"), copy.path().join("restored"));
+    backup(&Site::new(dir), &kept).await.unwrap();
+    restore(&kept, &Site::new(&to)).await.unwrap();
     let store = Store::open(crate::Options::new(&to)).await.unwrap();
     store.trash().restore(capture.id, &Creator::default()).await.unwrap();
     store.captures().content(capture.id).await.unwrap();

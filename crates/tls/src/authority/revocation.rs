@@ -155,7 +155,7 @@ fn record_folder(folder: &Path) -> PathBuf {
     folder.join("issued")
 }
 
-fn of_file(path: &Path) -> Result<Certificate, Error> {
+pub(super) fn of_file(path: &Path) -> Result<Certificate, Error> {
     let der = pem::certificates(path)?;
     der.first().and_then(Certificate::of).ok_or(Error::Unreadable)
 }

@@ -69,3 +69,30 @@ fn orders_with_faults_are_refused() {
     // Its certificate, its key and its list.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
 }
+
+#[test]
+fn what_ends_soon_is_renewed_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    Authority::create(folder.path()).unwrap();
+    let authority = Authority::open(folder.path()).unwrap();
+    let hosts = vec!["twin.example.org".to_owned(), "10.0.0.5".to_owned()];
+    let soon = Order { hosts, days: 20, ..order("twin", Role::Server) };
+    let soon = authority.issue(&soon).unwrap();
+    let later = authority.issue(&Order { days: 90, ..order("gpu1", Role::Worker) }).unwrap();
+    authority.issue(&Order { days: 20, ..order("gpu2", Role::Worker) }).unwrap();
+    authority.revoke(&["gpu2".to_owned()]).unwrap();
+    // An earlier one of the same name, which is not in use any more.
+    authority.issue(&Order { days: 20, ..order("gpu3", Role::Worker) }).unwrap();
+    let newest = Order { days: 90, renew: true, ..order("gpu3", Role::Worker) };
+    authority.issue(&newest).unwrap();
+
+    let within = SignedDuration::from_hours(30 * 24);
+    let renewed = authority.renew(within).unwrap();
+    assert_eq!(renewed.len(), 1, "{renewed:?}");
+    let new = &renewed[0].facts;
+    assert_eq!((&new.common_name, &new.hosts), (&soon.facts.common_name, &soon.facts.hosts));
+    assert_eq!(new.not_after.duration_since(soon.facts.not_after).as_hours(), 0, "20 days again");
+    assert!(new.serial != soon.facts.serial && renewed[0].certificate == soon.certificate);
+    assert!(std::fs::read_to_string(&later.certificate).is_ok());
+    assert_eq!(authority.renew(SignedDuration::from_hours(24)).unwrap(), []);
+}

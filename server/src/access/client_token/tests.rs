@@ -68,3 +68,16 @@ fn a_websocket_shows_it_among_its_protocols() {
     assert!(!asks(&format!("{token}, bendtwin.token")));
     assert!(!asks("bendtwin.token, 0123456789abcdef0123456789abcdee"));
 }
+
+/// A fleet has one token, which no server makes.
+#[test]
+fn a_token_of_others_is_read_and_never_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("token");
+    assert!(read(&file).is_err() && !file.exists());
+    std::fs::write(&file, "short").unwrap();
+    assert_eq!(read(&file).unwrap_err(), "its content is no token");
+    let token = "0123456789abcdef0123456789abcdef";
+    std::fs::write(&file, format!("{token}\n")).unwrap();
+    assert_eq!(read(&file).unwrap(), token);
+}

@@ -12,7 +12,10 @@ use bendtwin_core::ids::{ServerId, WorkerId};
 use bendtwin_store::{Job, Server, Worker, WorkerEnd};
 use uuid::Uuid;
 
-use crate::app::{App, Error, Result};
+use crate::{
+    app::{App, Error, Result},
+    dispatch::Learned,
+};
 
 /// The last sign of each member, and when it was first seen, by the time of leases.
 #[derive(Debug, Default)]
@@ -94,18 +97,15 @@ impl App {
         let rows: HashSet<WorkerId> = workers.iter().map(|w| w.registration.id).collect();
         for worker in &workers {
             let id = worker.registration.id;
-            let is_new = !self.dispatch.knows(id);
-            // False for processes of other servers, which are never known here.
-            let learned = self.dispatch.learn(worker.clone()).unwrap_or_else(|error| {
-                tracing::warn!(worker = %id, %error, "a worker of the fleet cannot be used");
-                false
-            });
-            // It may have left since its row was read.
-            if is_new && learned && self.store.workers().find(id).await?.is_none() {
-                self.dispatch.remove(id);
-                continue;
-            }
-            if worker.is_draining {
+            // Unusable are the processes of other servers, which are never known here.
+            let learned = match self.dispatch.learn(worker.clone()).await {
+                Err(Error::Store(error)) => return Err(error.into()),
+                learned => learned.unwrap_or_else(|error| {
+                    tracing::warn!(worker = %id, %error, "a worker of the fleet cannot be used");
+                    Learned::Unusable
+                }),
+            };
+            if learned != Learned::Gone && worker.is_draining {
                 self.dispatch.drain(id);
             }
         }
@@ -189,7 +189,7 @@ impl App {
         }
         if self.store.is_shared()
             && let Some(found) = self.store.workers().find(worker).await?
-            && self.dispatch.learn(found)?
+            && self.dispatch.learn(found).await? == Learned::Known
         {
             return Ok(());
         }

@@ -42,7 +42,7 @@ fn key() -> (String, String) {
     (id.to_owned(), secret.to_owned())
 }
 
-fn endpoint_or_skip() -> Option<String> {
+pub(super) fn endpoint_or_skip() -> Option<String> {
     let endpoint = std::env::var(S3).ok();
     if endpoint.is_none() {
         eprintln!("SKIPPED: {S3} names no S3 server");

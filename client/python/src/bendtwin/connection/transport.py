@@ -56,6 +56,16 @@ def transport(address: str, ca: str | PathLike[str] | None) -> Transport:
     return Transport(target, is_https, None if found is None else Path(found))
 
 
+def http1_fault(details: str) -> tuple[str, str] | None:
+    """Reason and message for an answer of HTTP/1 where gRPC was expected, from what gRPC says."""
+    if "http1.x server" not in details.lower():
+        return None
+    return "HTTP2_NOT_SPOKEN", (
+        "the server answers with HTTP/1, and gRPC takes HTTP/2: let the proxy in front of it pass "
+        "HTTP/2 on (nginx: `http2 on` and `grpc_pass`), or name the address of the server itself"
+    )
+
+
 def tls_fault(details: str) -> tuple[str, str] | None:
     """Reason and message for a connection that failed for its TLS, from what OpenSSL says."""
     text = details.lower()

@@ -11,6 +11,7 @@ use crate::{metrics::Metrics, options::Options, tls::Certificates};
 
 const LEASE: Duration = Duration::from_secs(12);
 const STEP: Duration = Duration::from_secs(1);
+const TOKEN: &str = "a-token-of-workers";
 
 #[test]
 fn a_member_is_silent_while_its_sign_stays() {
@@ -45,15 +46,15 @@ impl Fleet {
             ..bendtwin_store::Options::new(folder.path())
         });
         let (certificates, metrics) = (Certificates::default(), Metrics::new());
-        let app = App::new(Options::default(), store.await.unwrap(), certificates, metrics);
+        let options = Options { worker_token: Some(TOKEN.to_owned()), ..Options::default() };
+        let app = App::new(options, store.await.unwrap(), certificates, metrics);
         app.recover().await.unwrap();
         let other = ServerId::generate();
         Some(Self { app, clock, other, _folder: folder, _postgres: postgres })
     }
 
-    /// Leases a job to a process of the other server.
-    async fn leased(&self) -> JobId {
-        let store = &self.app.store;
+    /// Registers a worker, which a server has started or somebody else.
+    async fn registered(&self, server: Option<ServerId>) -> Worker {
         let registration = NewWorker {
             id: WorkerId::generate(),
             endpoint: "http://127.0.0.1:1".to_owned(),
@@ -62,9 +63,15 @@ impl Fleet {
             build: bendtwin_core::BUILD.to_owned(),
             lanes: 1,
             labels: Vec::new(),
-            server: Some(self.other),
+            server,
         };
-        let worker = store.workers().register(registration).await.unwrap().registration.id;
+        self.app.store.workers().register(registration).await.unwrap()
+    }
+
+    /// Leases a job to a process of the other server.
+    async fn leased(&self) -> JobId {
+        let store = &self.app.store;
+        let worker = self.registered(Some(self.other)).await.registration.id;
         let content = store.blobs().upload(1).await.unwrap().finish(None).await.unwrap();
         let new = NewCapture {
             facts: CaptureFacts { ingest: "{}".to_owned(), ..CaptureFacts::default() },
@@ -103,4 +110,19 @@ async fn a_job_is_not_blamed_for_the_end_of_the_server_of_its_worker() {
     assert_eq!(state().await, (State::Running, 1, 0), "its server judges it");
     fleet.pass(LEASE + 2 * STEP, false).await;
     assert_eq!(state().await, (State::Queued, 0, 0), "it ended with its server");
+}
+
+/// The row of the worker was read before it left, and is taken over afterwards.
+#[tokio::test]
+async fn a_worker_that_has_left_does_not_come_back_by_an_old_row() {
+    let Some(fleet) = Fleet::start_or_skip().await else { return };
+    let row = fleet.registered(None).await;
+    let id = row.registration.id;
+    assert_eq!(fleet.app.dispatch.learn(row.clone()).await.unwrap(), Learned::Known);
+    assert!(fleet.app.dispatch.knows(id));
+    fleet.app.worker_left(id).await.unwrap();
+    assert_eq!(fleet.app.dispatch.learn(row).await.unwrap(), Learned::Gone);
+    assert!(!fleet.app.dispatch.knows(id));
+    // Nor by a heartbeat that comes late.
+    assert!(matches!(fleet.app.require_known(id).await, Err(Error::WorkerUnknown(_))));
 }
