@@ -12,7 +12,6 @@ mod link;
 mod plans;
 mod projects;
 mod registrations;
-mod retention;
 mod rollouts;
 mod screened;
 mod sessions;

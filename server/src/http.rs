@@ -18,7 +18,6 @@ mod plays;
 mod registrations;
 mod rollouts;
 pub(crate) mod root_service;
-mod security;
 mod sessions;
 mod twins;
 pub(crate) mod uploads;

@@ -1,4 +1,5 @@
-//! The commands about access: keys, and projects of their owners.
+//! The commands about access: keys, projects of their owners, and what owners have.
 
+pub(crate) mod admin;
 pub(crate) mod key;
 pub(crate) mod project;

@@ -6,10 +6,12 @@ pub(crate) mod requirements;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    access::{key, project},
-    admin, bench, ca, capture, demo, doctor, eval, fit,
+    access::{admin, key, project},
+    bench, ca, capture, demo, doctor, eval, fit,
     global::Global,
-    healthcheck, logging, rollout, server, store, trash, twin, worker,
+    logging, rollout,
+    server::{self, healthcheck},
+    store, trash, twin, worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to

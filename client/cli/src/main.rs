@@ -1,7 +1,6 @@
 //! The `bendtwin` command: the whole system in one binary.
 
 mod access;
-mod admin;
 mod args;
 mod bench;
 mod ca;
@@ -10,7 +9,6 @@ mod demo;
 mod doctor;
 mod eval;
 mod fit;
-mod healthcheck;
 mod labels;
 mod process;
 mod quality;
@@ -103,7 +101,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Retention(args) => trash::retention::run(args, global).await,
         Command::Key(args) => access::key::run(args, global).await,
         Command::Project(args) => access::project::run(args, global).await,
-        Command::Admin(args) => admin::run(args, global).await,
+        Command::Admin(args) => access::admin::run(args, global).await,
         Command::Ca(args) => ca::run(args, global),
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,
@@ -111,7 +109,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Bench(args) => bench::run(args, global).await,
         Command::Store(args) => store::run(args, global).await,
         Command::Doctor(args) => doctor::run(args, global).await,
-        Command::Healthcheck(args) => healthcheck::run(args, global).await,
+        Command::Healthcheck(args) => server::healthcheck::run(args, global).await,
         Command::Completions(args) => args::completions::run(&args),
     }
 }

@@ -1,5 +1,6 @@
 //! `bendtwin server`: the control plane, which starts its own workers.
 
+pub(crate) mod healthcheck;
 mod options;
 
 use std::path::{Path, PathBuf};

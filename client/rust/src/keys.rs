@@ -1,6 +1,8 @@
 //! Keys with which clients identify themselves. All calls take a key with the scope `admin`, or the
 //! client token.
 
+pub(crate) mod projects;
+
 use bendtwin_core::ids::KeyId;
 use bendtwin_proto::v1::{
     self, CreateKeyRequest, DeleteKeyRequest, GetKeyRequest, KeyQuotas, ListKeysRequest,

@@ -72,10 +72,8 @@ mod keys;
 mod labels;
 mod page;
 mod plans;
-mod projects;
 mod registrations;
 mod resources;
-mod retention;
 mod rollouts;
 mod sessions;
 pub mod token;
@@ -104,14 +102,13 @@ pub use self::{
     error::Error,
     evaluations::Evaluations,
     fits::{FitOrder, Fits, LossCurve},
+    keys::projects::{Project, ProjectChange, Projects},
     keys::{Key, Keys, MadeKey, NewKey},
     labels::{CaptureFacts, ListQuery, Order, Update},
     page::{Page, PageRequest},
     plans::{PlanUpdate, Planning, Plans},
-    projects::{Project, ProjectChange, Projects},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, Supplement, Twin, Worker},
-    retention::{NewRetentionRule, Retention, RetentionOutcome, RetentionPreview, RetentionRule},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
@@ -119,6 +116,9 @@ pub use self::{
     },
     sessions::{
         Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
+    },
+    trash::retention::{
+        NewRetentionRule, Retention, RetentionOutcome, RetentionPreview, RetentionRule,
     },
     trash::{Trash, Trashed},
     twins::{Geometry, Twins},

@@ -1,5 +1,7 @@
 //! Deleted captures, fits and twins, which can be restored until they are purged.
 
+pub(crate) mod retention;
+
 use bendtwin_core::ids::{CaptureId, FitId, TwinId};
 use bendtwin_proto::v1::{
     self, ListTrashedCapturesRequest, ListTrashedFitsRequest, ListTrashedTwinsRequest,

@@ -36,7 +36,7 @@ use crate::{
     Result,
     failpoint::{Armed, Failpoint},
     folder::disk::Reserve,
-    meter::{Meter, Part},
+    store::meter::{Meter, Part},
 };
 
 pub(crate) use bucket::{Bucket, Multipart, PART};

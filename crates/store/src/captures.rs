@@ -13,11 +13,11 @@ use uuid::Uuid;
 use crate::{
     Content, Creator, Digest, Error, Job, LabelChange, Labels, ListQuery, Page, Report,
     Requirements, Result, Staged, Store, Supplement,
-    deleted_requests::{self, Kind},
     failpoint::Failpoint,
     jobs::{self, JobOrigin},
     keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
+    owners::deleted_requests::{self, Kind},
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar, row::row},
     store::clock::from_micros,

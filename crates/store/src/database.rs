@@ -26,8 +26,8 @@ use tokio::sync::{Notify, broadcast};
 use crate::{
     Error, JobId, Result,
     folder::{self, disk::Reserve},
-    meter::Meter,
     sql::{Readers, Reading, Transaction},
+    store::meter::Meter,
 };
 
 pub(crate) use marker::{

@@ -26,8 +26,9 @@ use jiff::Timestamp;
 use tokio::sync::broadcast;
 
 use crate::{
-    Digest, Error, Labels, Result, Store, deleted_requests,
+    Digest, Error, Labels, Result, Store,
     labels::{self, Collection},
+    owners::deleted_requests,
     owners::request_ids::RequestId,
     sql::query,
     trash::Remove,

@@ -2,6 +2,7 @@
 //! scopes is for others to decide.
 
 pub(crate) mod quotas;
+pub(crate) mod usage;
 
 use bendtwin_core::ids::KeyId;
 use jiff::Timestamp;

@@ -69,7 +69,7 @@
 //!
 //! # Requests that come again
 //! The row of what a request made has its request id, so a repetition finds it. Each owner has its
-//! own ids (`owners::request_ids`). The id outlives the row for a day (`deleted_requests`): an attempt that its client had given up, and that comes to its
+//! own ids (`owners::request_ids`). The id outlives the row for a day (`owners::deleted_requests`): an attempt that its client had given up, and that comes to its
 //! end after the deletion, makes nothing.
 //!
 //! # The trash
@@ -116,7 +116,6 @@ pub mod bench;
 mod blobs;
 mod captures;
 mod database;
-mod deleted_requests;
 mod error;
 pub mod failpoint;
 mod fleet;
@@ -126,14 +125,12 @@ mod keys;
 mod labels;
 mod listing;
 pub mod maintenance;
-mod meter;
 mod owners;
 mod sql;
 mod store;
 mod trash;
 mod twins;
 mod uploads;
-mod usage;
 
 pub use blobs::{Blobs, Content, ObjectsUrl, Staged, Upload};
 pub use captures::{
@@ -153,6 +150,7 @@ pub use jobs::{
     JobTimes, Jobs, Kind, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
     NewFit, NewIngest, NewReport, QueueDepth, Reported, Requirements, State, Turns, WorkerEnd,
 };
+pub use keys::usage::{OwnerUsage, StoredBytes, Usage};
 pub use keys::{
     Key, Keys, NewKey,
     quotas::{Creator, Quotas, reservation::Incoming},
@@ -162,11 +160,11 @@ pub use listing::{
     ListQuery, Order, OrderKey,
     page::{Page, PageRequest},
 };
-pub use meter::{Call, Observer, Part};
 pub use owners::{
     Owners,
     projects::{MAX_MEMBERS, MemberChange, Memberships, Project, ProjectChange, Projects},
 };
+pub use store::meter::{Call, Observer, Part};
 pub use store::{
     Options, Store,
     clock::{Clock, ManualClock, SystemClock},
@@ -181,7 +179,6 @@ pub use uploads::{
     FIRST_ROOM, NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse,
     UploadWriter, Uploads,
 };
-pub use usage::{OwnerUsage, StoredBytes, Usage};
 
 /// Name of the file in a data folder with the token of clients.
 pub const CLIENT_TOKEN: &str = "client-token";

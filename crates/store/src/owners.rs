@@ -1,5 +1,6 @@
 //! Owners of resources. The owner of a resource never changes.
 
+pub(crate) mod deleted_requests;
 pub(crate) mod projects;
 pub(crate) mod request_ids;
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod clock;
 pub(crate) mod identity;
+pub(crate) mod meter;
 
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
@@ -20,8 +21,8 @@ use crate::{
         disk::{Disk, Reserve},
     },
     jobs::LeaseTimes,
-    meter::{Meter, Observer, Part},
     sql::{Transaction, query},
+    store::meter::{Meter, Observer, Part},
     uploads::Seats,
 };
 

@@ -19,10 +19,11 @@ use jiff::Timestamp;
 
 use self::resource::Resource;
 use crate::{
-    Creator, Error, Page, PageRequest, Result, Store, deleted_requests,
+    Creator, Error, Page, PageRequest, Result, Store,
     failpoint::Failpoint,
     jobs::fits_under_way,
     labels::Collection,
+    owners::deleted_requests,
     owners::{
         projects,
         request_ids::{self, RequestId},

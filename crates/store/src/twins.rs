@@ -8,10 +8,10 @@ use uuid::Uuid;
 
 use crate::{
     Content, Creator, Digest, Error, LabelChange, Labels, ListQuery, Page, Result, Staged, Store,
-    deleted_requests::{self, Kind},
     failpoint::Failpoint,
     keys::quotas::{self, More, reservation::Reservation},
     labels::{self, Collection},
+    owners::deleted_requests::{self, Kind},
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, row::row},
     store::clock::from_micros,

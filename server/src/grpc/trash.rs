@@ -1,5 +1,7 @@
 //! `bendtwin.v1.TrashService`.
 
+mod retention;
+
 use bendtwin_proto::v1::{
     Capture, Fit, ListTrashedCapturesRequest, ListTrashedCapturesResponse, ListTrashedFitsRequest,
     ListTrashedFitsResponse, ListTrashedTwinsRequest, ListTrashedTwinsResponse, Twin,

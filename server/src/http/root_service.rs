@@ -1,6 +1,8 @@
 //! The service around every request of either transport: request id, tracing span, metrics, and an
 //! answer for handlers that panic.
 
+mod security;
+
 use std::{
     collections::HashSet, convert::Infallible, panic::AssertUnwindSafe, sync::Arc, time::Instant,
 };
@@ -20,7 +22,7 @@ use tracing::Instrument;
 
 use super::{
     origin::{self, Hosts},
-    security, uploads,
+    uploads,
 };
 use crate::{
     access::{self, Access, Caller, Flight, Gate, client_token},

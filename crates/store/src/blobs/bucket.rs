@@ -20,7 +20,7 @@ use object_store::{
 use tokio::sync::Semaphore;
 
 use super::PUBLISHED;
-use crate::{Error, Result, meter::Meter};
+use crate::{Error, Result, store::meter::Meter};
 
 pub(crate) use multipart::Multipart;
 

@@ -17,7 +17,7 @@ use tokio::io::{AsyncReadExt as _, AsyncSeekExt as _, SeekFrom};
 use tokio_util::io::ReaderStream;
 
 use super::{CHUNK, INCOMING, ObjectReader, PUBLISHED, files, published};
-use crate::{Error, Result, folder, meter::Meter};
+use crate::{Error, Result, folder, store::meter::Meter};
 
 /// Age from which a file in a shared `incoming` is of a server that is gone.
 const ABANDONED: Duration = Duration::from_secs(7 * 86_400);

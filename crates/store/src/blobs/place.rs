@@ -7,7 +7,7 @@ use futures::stream::BoxStream;
 use object_store::path::Path;
 
 use super::{Bucket, Folder, Location, ObjectsUrl, files, published};
-use crate::{Result, meter::Meter};
+use crate::{Result, store::meter::Meter};
 
 /// An object that is being read.
 pub(super) struct ObjectReader {

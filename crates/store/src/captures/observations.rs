@@ -7,9 +7,9 @@ use jiff::Timestamp;
 use super::products::{self, Product};
 use crate::{
     Captures, Content, Digest, Error, Result,
+    keys::usage::settle,
     sql::{Builder, Transaction, query, row::row},
     store::clock::from_micros,
-    usage::settle,
 };
 
 /// Observation of a capture, made by its last successful ingest.

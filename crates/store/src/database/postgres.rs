@@ -23,8 +23,8 @@ use super::{DatabaseUrl, Wakes};
 use crate::{
     Error, JobId, Result,
     database::migrations,
-    meter::Meter,
     sql::{Readers, Transaction, answered},
+    store::meter::Meter,
 };
 
 const READERS: u32 = 8;

@@ -17,8 +17,8 @@ use crate::{
     Error, Result,
     database::migrations,
     folder::{self, disk::Reserve},
-    meter::Meter,
     sql::{Readers, Transaction},
+    store::meter::Meter,
 };
 
 /// Name of the database in the data folder.

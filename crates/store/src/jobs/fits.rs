@@ -13,10 +13,10 @@ use super::{
 };
 use crate::{
     Creator, Digest, Error, LabelChange, ListQuery, Page, Result, Staged, TwinFacts, captures,
-    deleted_requests,
     failpoint::Failpoint,
     keys::quotas::{self, More},
     labels::{self, Collection},
+    owners::deleted_requests,
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar},
     twins,

@@ -13,9 +13,9 @@ use crate::{
         self, observations,
         products::{self, Product},
     },
-    deleted_requests,
     failpoint::Failpoint,
     keys::quotas::{self, More},
+    owners::deleted_requests,
     owners::request_ids::{self, RequestId},
     sql::{Builder, Transaction, query, query_scalar},
 };

@@ -14,7 +14,7 @@ use crate::{
     Error, ObjectsUrl, Result,
     blobs::{Place, files, own},
     database, folder,
-    meter::{Meter, Part},
+    store::meter::{Meter, Part},
 };
 
 /// Blobs moved concurrently.

@@ -20,8 +20,8 @@ use crate::{
     },
     database::{self, Database},
     folder::{self, disk::Reserve},
-    meter::{Meter, Part},
     sql::query,
+    store::meter::{Meter, Part},
     store::{clock::micros, identity},
 };
 

@@ -36,8 +36,8 @@ use crate::{
     },
     database::{self, postgres, sqlite},
     folder::{self, disk::Reserve},
-    meter::{Meter, Part},
     sql::{Readers, query},
+    store::meter::{Meter, Part},
 };
 
 /// Blobs copied concurrently.

@@ -7,7 +7,7 @@ use crate::{
     CLIENT_TOKEN, DatabaseUrl, Error, ObjectsUrl, Result,
     blobs::{Place, own},
     database,
-    meter::{Meter, Part},
+    store::meter::{Meter, Part},
 };
 
 /// Whereabouts of a store, as a server has them.

@@ -4,7 +4,7 @@ use std::{future::Future, time::Duration};
 
 use sqlx::{PgConnection, PgPool, Postgres, Sqlite, SqliteConnection, SqlitePool};
 
-use crate::{Error, Result, meter::Meter};
+use crate::{Error, Result, store::meter::Meter};
 
 /// Longest wait for the answer to a statement of PostgreSQL: longer than its own limit on statements,
 /// so that it ends only the wait for a server or a network that is silent.

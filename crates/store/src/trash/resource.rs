@@ -5,7 +5,7 @@ use std::fmt;
 use bendtwin_core::ids::{CaptureId, FitId, TwinId};
 use uuid::Uuid;
 
-use crate::{deleted_requests::Kind, labels::Collection};
+use crate::{labels::Collection, owners::deleted_requests::Kind};
 
 /// Name of a capture, a fit or a twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

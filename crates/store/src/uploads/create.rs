@@ -6,8 +6,9 @@ use bendtwin_core::ids::UploadId;
 
 use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
 use crate::{
-    Creator, Digest, Error, Result, deleted_requests,
+    Creator, Digest, Error, Result,
     keys::quotas::{self, More},
+    owners::deleted_requests,
     owners::request_ids::{self, RequestId},
     sql::{Transaction, query, query_scalar},
 };

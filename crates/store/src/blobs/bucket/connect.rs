@@ -11,7 +11,7 @@ use object_store::{
 use tokio::sync::Semaphore;
 
 use super::{Bucket, SENDERS, http::Connector};
-use crate::{Error, Result, meter::Meter};
+use crate::{Error, Result, store::meter::Meter};
 
 /// Time after which a request that failed is not tried again.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(10);

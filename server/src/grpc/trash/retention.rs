@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 };
 use tonic::{Request, Response, Status};
 
-use super::{Api, convert};
+use crate::grpc::{Api, convert};
 use crate::options::RetentionRule;
 
 #[tonic::async_trait]
