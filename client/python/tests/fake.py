@@ -166,7 +166,9 @@ class Fake(
         )
 
     def ListTrashedFits(self, request, context):
-        return trash_pb2.ListTrashedFitsResponse(resources=[trash_pb2.TrashedResource(name="fits/0")])
+        return trash_pb2.ListTrashedFitsResponse(
+            resources=[trash_pb2.TrashedResource(name="fits/0")]
+        )
 
     def ListTrashedTwins(self, request, context):
         return trash_pb2.ListTrashedTwinsResponse(

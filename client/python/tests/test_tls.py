@@ -154,9 +154,11 @@ def test_an_answer_of_http1_is_explained():
     with socket.create_server(("127.0.0.1", 0)) as listener:
         Thread(target=answer, args=(listener,), daemon=True).start()
         port = listener.getsockname()[1]
-        with Client(f"http://127.0.0.1:{port}") as client:
-            with pytest.raises(BendTwinError, match="grpc_pass") as refused:
-                next(client.captures(), None)
+        with (
+            Client(f"http://127.0.0.1:{port}") as client,
+            pytest.raises(BendTwinError, match="grpc_pass") as refused,
+        ):
+            next(client.captures(), None)
     assert refused.value.reason == "HTTP2_NOT_SPOKEN"
 
 

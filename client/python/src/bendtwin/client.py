@@ -31,8 +31,8 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
-    Project,
     OwnerUsage,
+    Project,
     Requirements,
     Trashed,
     TwinInfo,
@@ -478,6 +478,7 @@ class Client:
     def delete_project(self, name: str) -> None:
         """Deletes a project. Its members keep what they have, and no longer share it."""
         self._caller.run(calls.delete_project(name))
+
     # Usage
 
     def usage(self) -> OwnerUsage:

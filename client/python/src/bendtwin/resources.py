@@ -323,6 +323,9 @@ class Project(FromMessage):
     #: Names of owners, sorted.
     members: tuple[str, ...]
     create_time: datetime | None
+
+
+@dataclass(frozen=True)
 class StoredBytes(FromMessage):
     """Sizes of what is stored for an owner, bytes. Equal content counts for each resource."""
 
