@@ -88,13 +88,15 @@ impl Error {
             e.to_string().contains("frame with invalid size")
         };
         let mut causes = std::iter::successors(Some(error), |e| e.source());
-        causes.any(is_http1).then(|| {
-            let message = format!(
-                "{server} answers with HTTP/1, and gRPC takes HTTP/2: let the proxy in front of it pass \
-                 HTTP/2 on (nginx: `http2 on` and `grpc_pass`), or name the address of the server itself"
-            );
-            Self::new(Category::FailedPrecondition, "HTTP2_NOT_SPOKEN", message)
-        })
+        if !causes.any(is_http1) {
+            return None;
+        }
+        let message = format!(
+            "{server} answers with HTTP/1, and gRPC takes HTTP/2: let the proxy in front of it pass \
+             HTTP/2 on (nginx: `http2 on` and `grpc_pass`), or name the address of the server itself"
+        );
+        let error = Self::new(Category::FailedPrecondition, "HTTP2_NOT_SPOKEN", message);
+        Some(error)
     }
 
     /// All bytes are on the server, which does not make a capture of them.

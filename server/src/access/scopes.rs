@@ -60,7 +60,7 @@ impl Scope {
 
     /// True if a key may have it for its owner's resources alone: keys, workers and metrics have no
     /// owner.
-    pub(crate) fn has_bound(self) -> bool {
+    pub fn has_bound(self) -> bool {
         !matches!(self, Self::Admin | Self::MetricsRead)
     }
 

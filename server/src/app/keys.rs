@@ -104,7 +104,7 @@ fn check_quotas(quotas: &Quotas) -> Result<()> {
 fn check_scopes(scopes: &[String]) -> Result<()> {
     let words = || {
         let words = Scope::ALL.map(Scope::as_str).join(", ");
-        format!("{words}; each but admin may end in `:own`")
+        format!("{words}; those of captures, fits, rollouts and twins may end in `:own`")
     };
     if scopes.is_empty() {
         return Err(Error::invalid("scopes", format!("is empty: name some of {}", words())));

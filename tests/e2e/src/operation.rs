@@ -12,6 +12,7 @@ mod on_s3;
 mod replicas;
 mod revocation;
 mod stores;
+mod team;
 mod tls_terminator;
 mod traces;
 mod trash;

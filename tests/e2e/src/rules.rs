@@ -9,4 +9,4 @@ mod reasons;
 mod rust_code;
 mod sentences;
 mod tidy;
-mod workspace;
+pub(crate) mod workspace;

@@ -24,8 +24,11 @@ enum Command {
     /// Revoke keys: no server accepts them 30 s later
     Revoke {
         /// keys/{uuid}
-        #[arg(required = true)]
+        #[arg(required_unless_present = "owner")]
         names: Vec<KeyId>,
+        /// Revoke all keys of this owner, for example of a person who leaves
+        #[arg(long, value_name = "NAME", conflicts_with = "names")]
+        owner: Option<String>,
     },
 }
 
@@ -73,14 +76,24 @@ pub(crate) async fn run(args: Key, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Command::Create(args) => create(args, global).await,
         Command::List => list(global).await,
-        Command::Revoke { names } => {
+        Command::Revoke { names, owner } => {
             let client = global.connect().await?;
+            let names = match owner {
+                Some(owner) => of_owner(&client.keys().all().await?, &owner),
+                None => names,
+            };
             for name in &names {
                 client.keys().revoke(*name).await?;
             }
             output::print(global, &names, || format!("revoked {}", names.len()))
         }
     }
+}
+
+/// Keys of an owner that are not revoked.
+fn of_owner(keys: &[bendtwin_client::Key], owner: &str) -> Vec<KeyId> {
+    let valid = keys.iter().filter(|key| key.owner == owner && key.revoke_time.is_none());
+    valid.map(|key| key.name).collect()
 }
 
 async fn create(args: Create, global: &Global) -> anyhow::Result<()> {

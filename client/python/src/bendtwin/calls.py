@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import time
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -32,8 +32,6 @@ from bendtwin.resources import (
     Fit,
     JobState,
     LossCurve,
-    OwnerUsage,
-    Project,
     Requirements,
     Trashed,
     TwinInfo,
@@ -50,7 +48,6 @@ from bendtwin.v1 import (
     fit_pb2_grpc,
     planning_pb2,
     planning_pb2_grpc,
-    project_pb2,
     project_pb2_grpc,
     registration_pb2_grpc,
     rollout_pb2,
@@ -60,7 +57,6 @@ from bendtwin.v1 import (
     trash_pb2_grpc,
     twin_pb2,
     twin_pb2_grpc,
-    usage_pb2,
     usage_pb2_grpc,
     worker_pb2,
     worker_pb2_grpc,
@@ -511,54 +507,6 @@ def restore_twin(name: str) -> Call[TwinInfo]:
 # Workers
 
 
-def create_project(display_name: str, members: Sequence[str]) -> Call[Project]:
-    """Makes a project."""
-    return Call(
-        lambda s: s.projects.CreateProject,
-        project_pb2.CreateProjectRequest(display_name=display_name, members=members),
-        Project.from_proto,
-    )
-
-
-def get_project(name: str) -> Call[Project]:
-    """A project."""
-    return Call(
-        lambda s: s.projects.GetProject,
-        project_pb2.GetProjectRequest(name=name),
-        Project.from_proto,
-    )
-
-
-def list_projects() -> Pages[Project]:
-    """The projects that the caller may see."""
-    return Pages(
-        lambda s: s.projects.ListProjects,
-        project_pb2.ListProjectsRequest(),
-        lambda page: [Project.from_proto(project) for project in page.projects],
-    )
-
-
-def update_project(
-    name: str, display_name: str | None, add: Sequence[str], remove: Sequence[str]
-) -> Call[Project]:
-    """Changes a project."""
-    return Call(
-        lambda s: s.projects.UpdateProject,
-        project_pb2.UpdateProjectRequest(
-            project=project_pb2.Project(name=name, display_name=display_name or ""),
-            add_members=add,
-            remove_members=remove,
-        ),
-        Project.from_proto,
-    )
-
-
-def delete_project(name: str) -> Call[None]:
-    """Deletes a project."""
-    request = project_pb2.DeleteProjectRequest(name=name)
-    return Call(lambda s: s.projects.DeleteProject, request, _nothing)
-
-
 def drain_worker(name: str) -> Call[Worker]:
     """Asks a worker to end."""
     return Call(
@@ -574,20 +522,6 @@ def list_workers() -> Pages[Worker]:
         lambda s: s.workers.ListWorkers,
         worker_pb2.ListWorkersRequest(),
         lambda page: [Worker.from_proto(w) for w in page.workers],
-    )
-
-
-def get_usage() -> Call[OwnerUsage]:
-    """Usage of the owner of the key that is used."""
-    return Call(lambda s: s.usage.GetUsage, usage_pb2.GetUsageRequest(), OwnerUsage.from_proto)
-
-
-def list_owner_usage() -> Pages[OwnerUsage]:
-    """Usage of all owners."""
-    return Pages(
-        lambda s: s.usage.ListOwnerUsage,
-        usage_pb2.ListOwnerUsageRequest(),
-        lambda page: [OwnerUsage.from_proto(owner) for owner in page.owners],
     )
 
 

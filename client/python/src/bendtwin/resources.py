@@ -352,6 +352,12 @@ class Quotas(FromMessage):
     stored_bytes: int | None = None
     #: Rollouts, plans, registrations and evaluations in progress at one server.
     rollouts: int | None = None
+    #: Fits and ingests that run at workers.
+    running_jobs: int | None = None
+    #: Time for which one fit may run [s].
+    fit_run_s: int | None = None
+    #: Highest priority of a fit.
+    priority: int | None = None
 
 
 @dataclass(frozen=True)

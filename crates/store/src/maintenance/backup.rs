@@ -263,7 +263,7 @@ impl Run {
     }
 }
 
-/// Copies the client token to a folder. Returns false if there is none.
+/// Copies the client token to a folder. Returns false if it is missing.
 pub(super) fn copy_token(from: &Path, to: &Path) -> Result<bool> {
     match fs::read(from) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),

@@ -134,7 +134,7 @@ async fn changes_are_recorded_and_keys_are_not() {
         [&name, "ada", "AddSupplement", &supplement, "INGEST_UNDER_WAY"],
         [&name, "ada", "DeleteSupplement", &supplement, "INGEST_UNDER_WAY"],
         [&name, "ada", "DeleteCapture", &capture, "OK"],
-        [&name, "ada", "DeleteCapture", &capture, "NOT_FOUND"],
+        [&name, "ada", "DeleteCapture", &capture, "IN_TRASH"],
         [&name, "ada", "POST /v1/fits", "", "SCOPE_MISSING"],
         [&name, "ada", "GET /v1/twins", "", "SCOPE_MISSING"],
         [&name, "ada", "/bendtwin.v1.TwinService/ListTwins", "", "SCOPE_MISSING"],

@@ -21,7 +21,7 @@ use crate::{
 
 /// Calls that name nothing that there is: they make something of the caller's, or list what the
 /// caller reaches, which the tests below look at.
-const NAME_NOTHING: [&str; 13] = [
+const NAME_NOTHING: [&str; 19] = [
     "POST /v1/captures",
     "GET /v1/captures",
     "/bendtwin.v1.CaptureService/CreateCapture",
@@ -34,19 +34,25 @@ const NAME_NOTHING: [&str; 13] = [
     "/bendtwin.v1.TwinService/ListTwins",
     "POST /v1/uploads",
     "GET /v1/uploads",
+    "GET /v1/trash/captures",
+    "GET /v1/trash/fits",
+    "GET /v1/trash/twins",
+    "/bendtwin.v1.TrashService/ListTrashedCaptures",
+    "/bendtwin.v1.TrashService/ListTrashedFits",
+    "/bendtwin.v1.TrashService/ListTrashedTwins",
     // Its messages come one by one: see `messages_of_a_stream_are_refused`.
     "/bendtwin.v1.SessionService/ControlSession",
 ];
 
 /// All scopes that can be bound, bound.
 pub(super) fn bound() -> Vec<String> {
-    let scopes = Scope::ALL.into_iter().filter(|scope| *scope != Scope::Admin);
+    let scopes = Scope::ALL.into_iter().filter(|scope| scope.has_bound());
     scopes.map(|scope| format!("{}:own", scope.as_str())).collect()
 }
 
 /// The same without a bound.
 fn unbound() -> Vec<&'static str> {
-    let scopes = Scope::ALL.into_iter().filter(|scope| *scope != Scope::Admin);
+    let scopes = Scope::ALL.into_iter().filter(|scope| scope.has_bound());
     scopes.map(Scope::as_str).collect()
 }
 
@@ -190,6 +196,8 @@ impl Estate {
             "EvaluateTwin" => {
                 v1::EvaluateTwinRequest { twin, capture, ..Default::default() }.encode_to_vec()
             }
+            "UndeleteCapture" => v1::UndeleteCaptureRequest { name: capture }.encode_to_vec(),
+            "UndeleteFit" => v1::UndeleteFitRequest { name: self.fit.clone() }.encode_to_vec(),
             "OpenSession" => v1::OpenSessionRequest { twin, ..Default::default() }.encode_to_vec(),
             // Others name what they are about in their first field. A new RPC that does not is
             // refused as naming nothing, and has to be added above.
@@ -238,8 +246,7 @@ impl Estate {
 /// The calls of the table that take a scope which can be bound, those that end something last.
 fn calls() -> Vec<(&'static str, Scope)> {
     let bounded = TABLE.iter().filter_map(|(name, access)| match access {
-        Access::Scope(Scope::Admin) => None,
-        Access::Scope(scope) => Some((name.as_str(), *scope)),
+        Access::Scope(scope) if scope.has_bound() => Some((name.as_str(), *scope)),
         _ => None,
     });
     let mut calls: Vec<_> = bounded.filter(|(name, _)| !NAME_NOTHING.contains(name)).collect();
@@ -271,8 +278,10 @@ async fn every_call_that_names_something_is_refused_to_other_owners() {
         assert_ne!(reason, "NOT_OWNER", "{name}: {message}");
     }
     // What is not there is not found, whoever asks.
-    let (reason, _) = estate.call("GET /v1/twins/{id}", &eve).await;
-    assert_eq!(reason, "NOT_FOUND");
+    let path = "/v1/twins/0190a000-0000-7000-8000-00000000beef";
+    let request = estate.server.http.get(estate.server.url(path)).bearer_auth(&eve);
+    let (_, problem) = read(request.send().await.unwrap()).await;
+    assert_eq!(problem["reason"], "NOT_FOUND");
 }
 
 #[tokio::test]
@@ -308,6 +317,16 @@ async fn lists_and_what_is_made_are_the_owners() {
     assert_eq!(get(&eve).await.unwrap().status(), 200);
     assert_eq!(get(&robot).await.unwrap().status(), 403);
     assert_eq!(get(&estate.key).await.unwrap().status(), 200);
+    // In the trash, too, where another owner restores nothing.
+    let delete = server.http.delete(server.url(&path)).bearer_auth(&eve).send().await.unwrap();
+    assert_eq!(delete.status(), 204);
+    assert_eq!(count("/v1/trash/captures", &eve).await, 1);
+    assert_eq!(count("/v1/trash/captures", &robot).await, 0);
+    let undelete = |key: &str| {
+        server.http.post(server.url(&format!("{path}/undelete"))).bearer_auth(key).send()
+    };
+    assert_eq!(undelete(&robot).await.unwrap().status(), 403);
+    assert_eq!(undelete(&eve).await.unwrap().status(), 200);
 }
 
 #[tokio::test]

@@ -277,7 +277,8 @@ async fn users_see_their_usage_and_operators_that_of_all() {
         },
         "queued_jobs": 1,
         "running_jobs": 0,
-        "quotas": {"queued_jobs": 7, "stored_bytes": QUOTA, "rollouts": null},
+        "quotas": {"queued_jobs": 7, "stored_bytes": QUOTA, "rollouts": null,
+            "running_jobs": null, "fit_run_s": null, "priority": null},
     });
     assert_eq!(usage, expected);
     assert_eq!(get("/v1/usage/owners", &key).await.1["reason"], "SCOPE_MISSING");

@@ -448,7 +448,8 @@ async fn small_rollouts_pass_large_ones() {
     }
     let (_, metrics) = server.get("/metrics").await;
     let metrics = metrics.as_str().unwrap();
-    assert!(metrics.contains("bendtwin_rollouts_waiting{class=\"large\"} 6"), "{metrics}");
+    // Of the two slots that large ones may take their owner leaves one to others.
+    assert!(metrics.contains("bendtwin_rollouts_waiting{class=\"large\"} 7"), "{metrics}");
     assert!(metrics.contains("bendtwin_rollouts_waiting{class=\"small\"} 0"), "{metrics}");
     assert!(large_ones.iter().all(|l| !l.is_finished()));
     large_ones.iter().for_each(tokio::task::JoinHandle::abort);

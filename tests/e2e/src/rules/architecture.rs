@@ -286,7 +286,7 @@ fn only_one_crate_names_cuda_and_only_one_opens_it() {
 }
 
 #[test]
-fn the_command_line_names_the_worker_only_where_it_starts_one() {
+fn the_command_line_names_the_worker_only_where_it_starts_or_asks_one() {
     let name = concat!("bendtwin", "_worker::");
     let mut found = Vec::new();
     for (file, path) in workspace::files() {
@@ -295,7 +295,7 @@ fn the_command_line_names_the_worker_only_where_it_starts_one() {
             found.push(file);
         }
     }
-    assert_eq!(found, ["client/cli/src/worker.rs"]);
+    assert_eq!(found, ["client/cli/src/server/healthcheck.rs", "client/cli/src/worker.rs"]);
 }
 
 #[test]

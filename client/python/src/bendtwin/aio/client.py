@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from bendtwin import calls, session_calls
+from bendtwin import calls, owner_calls, session_calls
 from bendtwin.aio.session import Session
 from bendtwin.aio.twin import Twin
 from bendtwin.captures.archive import archive_of, masks_of
@@ -457,15 +457,15 @@ class Client:
     async def create_project(self, display_name: str, members: Sequence[str] = ()) -> Project:
         """Makes a project of owners who share what they have. Takes the scope `admin`, as all
         changes of projects do."""
-        return await self._caller.run(calls.create_project(display_name, members))
+        return await self._caller.run(owner_calls.create_project(display_name, members))
 
     async def project(self, name: str) -> Project:
         """Returns a project."""
-        return await self._caller.run(calls.get_project(name))
+        return await self._caller.run(owner_calls.get_project(name))
 
     def projects(self) -> AsyncIterator[Project]:
         """Projects of the key's owner, newest first; with the scope `admin` all projects."""
-        return self._caller.pages(calls.list_projects())
+        return self._caller.pages(owner_calls.list_projects())
 
     async def update_project(
         self,
@@ -476,22 +476,22 @@ class Client:
         remove_members: Sequence[str] = (),
     ) -> Project:
         """Renames a project, and adds and removes members."""
-        change = calls.update_project(name, display_name, add_members, remove_members)
+        change = owner_calls.update_project(name, display_name, add_members, remove_members)
         return await self._caller.run(change)
 
     async def delete_project(self, name: str) -> None:
         """Deletes a project. Its members keep what they have, and no longer share it."""
-        await self._caller.run(calls.delete_project(name))
+        await self._caller.run(owner_calls.delete_project(name))
 
     # Usage
 
     async def usage(self) -> OwnerUsage:
         """What is stored for the owner of the key that is used, its jobs, and its quotas."""
-        return await self._caller.run(calls.get_usage())
+        return await self._caller.run(owner_calls.get_usage())
 
     def owner_usage(self) -> AsyncIterator[OwnerUsage]:
         """The same of all owners, by name; it takes the scope `admin`."""
-        return self._caller.pages(calls.list_owner_usage())
+        return self._caller.pages(owner_calls.list_owner_usage())
 
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)

@@ -79,7 +79,7 @@ async fn usage_of_all_owners_is_listed_with_their_bounds(on: On) {
     assert!(store.usage().list(&defaults, &page).await.is_err());
 }
 
-/// As an older version leaves its rows, which may run beside this one.
+/// Rows as an older version leaves them, which may run beside this one.
 async fn sizes_that_rows_lack_are_filled_in(on: On) {
     let bench = Bench::new(on).await;
     let store = &bench.store;
