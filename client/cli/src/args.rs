@@ -34,7 +34,7 @@ pub(crate) enum Command {
     /// Show the whole system at work in seconds: server, fit, comparison, rollouts, picture
     Demo(demo::Demo),
     /// Run the server, with its own workers
-    Server(server::Server),
+    Server(Box<server::Server>),
     /// Run a worker process for a server
     Worker(worker::Worker),
     /// Read a capture; workers start this themselves

@@ -92,7 +92,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
     let global = &arguments.global;
     match arguments.command {
         Command::Demo(args) => demo::run(args, global).await,
-        Command::Server(args) => server::run(args, &arguments.logging).await,
+        Command::Server(args) => server::run(*args, &arguments.logging).await,
         Command::Worker(args) => worker::run(args, global).await,
         Command::IngestCapture(args) => worker::ingest_capture(&args),
         Command::Capture(args) => capture::run(args, global).await,

@@ -18,8 +18,8 @@ fn names(text: &str) -> BTreeSet<&str> {
 /// The metric that a name of a histogram's series belongs to.
 fn metric(series: &str) -> &str {
     let suffixes = ["_bucket", "_count", "_sum"].into_iter();
-    let of_histogram = suffixes.filter_map(|suffix| series.strip_suffix(suffix));
-    of_histogram.filter(|name| is_listed(name)).next().unwrap_or(series)
+    let mut of_histogram = suffixes.filter_map(|suffix| series.strip_suffix(suffix));
+    of_histogram.find(|name| is_listed(name)).unwrap_or(series)
 }
 
 fn listed() -> BTreeSet<&'static str> {

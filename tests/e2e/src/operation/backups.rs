@@ -116,10 +116,10 @@ async fn a_fleet_is_backed_up_destroyed_and_restored_elsewhere() {
     api.import(&reference().await.file).await.unwrap();
     let (files, reply) = (twins(&api).await, rolled_out(&api, &fitted.twin).await);
     assert_eq!(files.len(), 2);
-    let new = json!({"displayName": "robot", "scopes": ["read"]});
+    let new = json!({"display_name": "robot", "scopes": ["twins:read"]});
     let made = first.http().request(Method::POST, "/v1/keys").json(&new).send().await.unwrap();
     let made: Value = made.json().await.unwrap();
-    let key = made["secretKey"].as_str().unwrap_or_else(|| panic!("{made}")).to_owned();
+    let key = made["secret_key"].as_str().unwrap_or_else(|| panic!("{made}")).to_owned();
     std::fs::write(first.data_dir().join("client-token"), TOKEN).unwrap();
 
     // Content comes and goes at the other server all the time.
