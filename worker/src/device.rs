@@ -120,8 +120,8 @@ impl Device {
         QueuedBackend::new(self.clone(), Flow::new(priority))
     }
 
-    /// A backend for a request, whose calls take the turns of an account; without one they have
-    /// turns of their own.
+    /// A backend for a request, whose calls take the turns of an account; without one it
+    /// has separate turns.
     pub(crate) fn backend_for(&self, account: Option<&Account>) -> QueuedBackend {
         let flow = match account {
             Some(account) => Flow::of(Priority::Interactive, self.accounts.standing(account)),

@@ -159,7 +159,7 @@ def test_an_answer_of_http1_is_explained():
             pytest.raises(BendTwinError, match="grpc_pass") as refused,
         ):
             next(client.captures(), None)
-    assert refused.value.reason == "HTTP2_NOT_SPOKEN"
+    assert refused.value.reason == "PROXY_WITHOUT_GRPC"
 
 
 def test_other_failures_are_none_of_tls():

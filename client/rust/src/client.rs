@@ -267,7 +267,7 @@ mod tests {
         tokio::spawn(async move {
             while let Ok((mut stream, _)) = listener.accept().await {
                 let mut bytes = [0; 1024];
-                // Whatever it begins with.
+                // The beginning of the request, which does not matter.
                 let _ = stream.read(&mut bytes).await.is_ok_and(|length| length > 0);
                 let answer =
                     b"HTTP/1.1 400 Bad Request\r\nconnection: close\r\n\r\n<html>no</html>";
@@ -280,7 +280,7 @@ mod tests {
             Ok(client) => client.workers().all().await.unwrap_err(),
             Err(error) => error,
         };
-        assert_eq!(error.reason(), "HTTP2_NOT_SPOKEN", "{error}");
+        assert_eq!(error.reason(), "PROXY_WITHOUT_GRPC", "{error}");
         assert!(error.message().contains("grpc_pass"), "{error}");
     }
 

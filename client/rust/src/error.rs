@@ -95,7 +95,7 @@ impl Error {
             "{server} answers with HTTP/1, and gRPC takes HTTP/2: let the proxy in front of it pass \
              HTTP/2 on (nginx: `http2 on` and `grpc_pass`), or name the address of the server itself"
         );
-        let error = Self::new(Category::FailedPrecondition, "HTTP2_NOT_SPOKEN", message);
+        let error = Self::new(Category::FailedPrecondition, "PROXY_WITHOUT_GRPC", message);
         Some(error)
     }
 

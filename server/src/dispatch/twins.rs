@@ -58,8 +58,8 @@ impl Twins {
         Ok(known)
     }
 
-    /// Reads the facts of these twins in a separate task, as far as they are not known, and unless
-    /// others are being read.
+    /// Reads the facts of those of these twins that are not known, in a separate task, unless others
+    /// are being read.
     pub(super) fn prepare(&self, store: &Store, twins: &[TwinId]) {
         let mut unknown: Vec<TwinId> = {
             let known = self.lock();

@@ -277,7 +277,7 @@ async fn every_call_that_names_something_is_refused_to_other_owners() {
         let (reason, message) = estate.call(name, &robot).await;
         assert_ne!(reason, "NOT_OWNER", "{name}: {message}");
     }
-    // What is not there is not found, whoever asks.
+    // A twin that does not exist is not found by any key.
     let path = "/v1/twins/0190a000-0000-7000-8000-00000000beef";
     let request = estate.server.http.get(estate.server.url(path)).bearer_auth(&eve);
     let (_, problem) = read(request.send().await.unwrap()).await;

@@ -60,7 +60,7 @@ def http1_fault(details: str) -> tuple[str, str] | None:
     """Reason and message for an answer of HTTP/1 where gRPC was expected, from what gRPC says."""
     if "http1.x server" not in details.lower():
         return None
-    return "HTTP2_NOT_SPOKEN", (
+    return "PROXY_WITHOUT_GRPC", (
         "the server answers with HTTP/1, and gRPC takes HTTP/2: let the proxy in front of it pass "
         "HTTP/2 on (nginx: `http2 on` and `grpc_pass`), or name the address of the server itself"
     )
