@@ -215,6 +215,10 @@ impl TestCluster {
     }
 
     async fn workers_ready(&self, count: usize) {
+        // A server that takes a token shows the list to nobody here.
+        if count == 0 {
+            return;
+        }
         let api = self.api();
         until(&format!("{count} workers\n{}", self.log()), START, async || {
             (api.list_workers().await.ok()?.len() >= count).then_some(())
