@@ -9,8 +9,8 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Claimant, Content, Digest, Job, JobId, JobReport, Kind, Lease, LeaseTerms,
-    Observation, Supplement, SupplementKind, TwinFacts, WorkerEnd,
+    AttemptEnd, Capabilities, Capture, Claimant, Content, Digest, Job, JobId, JobReport, Kind,
+    Lease, LeaseTerms, Observation, Supplement, SupplementKind, TwinFacts, WorkerEnd,
 };
 
 use super::{App, Body, Error, Result, captures::supplements};
@@ -103,16 +103,17 @@ pub(crate) enum Offer {
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 impl App {
-    /// Waits for a job of a kind and leases it.
+    /// Waits for a job of a kind, or for a brief one, and leases it.
     pub(crate) async fn lease_job(
         &self,
         kind: Kind,
         worker: WorkerId,
         wait: Duration,
+        brief: bool,
     ) -> Result<Offer> {
         self.require_known(worker).await?;
         let jobs = self.store.jobs();
-        let capabilities = self.dispatch.capabilities(worker);
+        let capabilities = Capabilities { brief, ..self.dispatch.capabilities(worker) };
         let claimant = Claimant { worker, capabilities };
         let wait = wait.min(LONGEST_WAIT);
         let claimed = jobs.claim_within(kind, claimant, self.options.lease(), wait);

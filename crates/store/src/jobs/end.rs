@@ -6,6 +6,7 @@ use uuid::Uuid;
 
 use super::{
     Job, JobId, Jobs, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
+    Requirements,
     lease_time::RunningJob,
     row::{self, Row, State, to_json},
 };
@@ -26,6 +27,8 @@ pub enum AttemptEnd {
     Cancelled,
     /// The worker gave the job back in good order; the attempt does not count.
     Released,
+    /// A brief ingest takes longer than it may; the attempt does not count, and from now on it is a long one.
+    Outgrown,
     /// Other work of the worker ended it. It does not count either, unless that was so for the last
     /// [`MAX_INTERRUPTED_ATTEMPTS`] attempts.
     Interrupted(Fault),
@@ -157,6 +160,7 @@ impl Jobs<'_> {
         let stalled_out = row.stalled >= i64::from(MAX_STALLED_ATTEMPTS);
         let cancelling = row.cancel_requested;
         let (mut counted, mut interrupted) = (1, row.interrupted);
+        let mut requirements = row.requirements;
         let end = match end {
             AttemptEnd::Interrupted(_) if interrupted < i64::from(MAX_INTERRUPTED_ATTEMPTS) => {
                 interrupted += 1;
@@ -167,9 +171,17 @@ impl Jobs<'_> {
         };
         let (state, fault) = match end {
             AttemptEnd::Cancelled => (State::Cancelled, None),
-            AttemptEnd::Released | AttemptEnd::Failed(_) if cancelling => (State::Cancelled, None),
+            AttemptEnd::Released | AttemptEnd::Outgrown | AttemptEnd::Failed(_) if cancelling => {
+                (State::Cancelled, None)
+            }
             AttemptEnd::Released => {
                 counted = 0;
+                (State::Queued, None)
+            }
+            AttemptEnd::Outgrown => {
+                counted = 0;
+                let known = Requirements::from_text(&requirements).unwrap_or_default();
+                requirements = Requirements { long: true, ..known }.to_text()?;
                 (State::Queued, None)
             }
             AttemptEnd::FailedForGood(fault) => (State::Failed, Some(fault)),
@@ -183,7 +195,7 @@ impl Jobs<'_> {
         let updated: Row = query(
             "update jobs set state = $2, fault = $3, attempt_faults = $4, attempts = $5,
                  stalled = $6, ended_at = $7, checkpoint = $8, interrupted = $9,
-                 lease_until = null, worker = null,
+                 requirements = $10, lease_until = null, worker = null,
                  revision = revision + 1
              where id = $1 returning *",
         )
@@ -196,6 +208,7 @@ impl Jobs<'_> {
         .bind(ended.then(|| self.store.now_micros()))
         .bind(row.checkpoint.filter(|_| !ended))
         .bind(interrupted)
+        .bind(requirements)
         .fetch_one(&mut *tx)
         .await?;
         updated.try_into()
