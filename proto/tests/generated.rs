@@ -22,7 +22,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use contract::Contract;
 
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -32,6 +32,7 @@ const FILES: [&str; 15] = [
     "bendtwin/v1/twin.proto",
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/key.proto",
+    "bendtwin/v1/sign_in.proto",
     "bendtwin/v1/rollout.proto",
     "bendtwin/v1/planning.proto",
     "bendtwin/v1/registration.proto",

@@ -41,6 +41,7 @@ use crate::{
     memory::Memory,
     metrics::Metrics,
     options::Options,
+    sign_in::SignIn,
     tls::Certificates,
 };
 pub(crate) use crate::{
@@ -54,7 +55,7 @@ pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{LeasedJob, News, Offer};
-pub(crate) use keys::KeyOrder;
+pub(crate) use keys::{KeyOrder, WhoAmI};
 pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
 use operations::Readiness;
@@ -80,6 +81,8 @@ pub(crate) struct Inner {
     dispatch: Dispatch,
     tokens: Tokens,
     keys: KeyRing,
+    /// Sign-in of people, if the server has an identity provider.
+    sign_in: Option<SignIn>,
     metrics: Metrics,
     readiness: Readiness,
     memory: Memory,
@@ -104,6 +107,7 @@ impl App {
         store: Store,
         certificates: Certificates,
         metrics: Metrics,
+        sign_in: Option<SignIn>,
     ) -> Self {
         let memory = Memory::new(options.memory_bytes());
         let stopping = CancellationToken::new();
@@ -121,6 +125,7 @@ impl App {
             dispatch,
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone()),
+            sign_in,
             metrics,
             readiness: Readiness::default(),
             memory,

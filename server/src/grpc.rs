@@ -14,6 +14,7 @@ mod registrations;
 mod rollouts;
 mod screened;
 mod sessions;
+mod sign_in;
 mod token;
 mod twins;
 mod upload;
@@ -29,7 +30,8 @@ use bendtwin_proto::{
         key_service_server::KeyServiceServer, planning_service_server::PlanningServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
-        twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
+        sign_in_service_server::SignInServiceServer, twin_service_server::TwinServiceServer,
+        worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -90,6 +92,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
         .with::<KeyServiceServer<Api>>()
+        .with::<SignInServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -106,6 +109,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(SignInServiceServer::new(api.clone()))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),

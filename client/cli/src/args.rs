@@ -43,6 +43,12 @@ pub(crate) enum Command {
     Twin(twin::Twin),
     /// Predict the motion of a twin under actions
     Rollout(rollout::Rollout),
+    /// Sign in at a server with your organisation's identity provider
+    Login(key::login::Login),
+    /// Sign out of a server
+    Logout,
+    /// Show who you are to a server, and what you may do there
+    Whoami,
     /// Make, list and revoke the keys of a server
     Key(key::Key),
     /// Issue certificates for servers and workers with a private authority

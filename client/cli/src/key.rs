@@ -1,5 +1,7 @@
 //! `bendtwin key`: make, list and revoke the keys of a server.
 
+pub(crate) mod login;
+
 use std::path::PathBuf;
 
 use anyhow::Context as _;
@@ -21,11 +23,14 @@ enum Command {
     Create(Create),
     /// List keys, with revoked and expired ones
     List,
-    /// Revoke keys: no server accepts them 30 s later
+    /// Revoke keys, or all sign-ins of a person: no server accepts them 30 s later
     Revoke {
         /// keys/{uuid}
-        #[arg(required = true)]
+        #[arg(required_unless_present = "sign_ins_of")]
         names: Vec<KeyId>,
+        /// Revoke all sign-ins of this owner
+        #[arg(long, value_name = "OWNER")]
+        sign_ins_of: Option<String>,
     },
 }
 
@@ -61,12 +66,16 @@ pub(crate) async fn run(args: Key, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Command::Create(args) => create(args, global).await,
         Command::List => list(global).await,
-        Command::Revoke { names } => {
+        Command::Revoke { names, sign_ins_of } => {
             let client = global.connect().await?;
             for name in &names {
                 client.keys().revoke(*name).await?;
             }
-            output::print(global, &names, || format!("revoked {}", names.len()))
+            let Some(owner) = sign_ins_of else {
+                return output::print(global, &names, || format!("revoked {}", names.len()));
+            };
+            let count = client.sign_ins().revoke_all(&owner).await?;
+            output::print(global, &count, || format!("revoked {count} sign-ins of {owner}"))
         }
     }
 }
@@ -117,6 +126,7 @@ async fn list(global: &Global) -> anyhow::Result<()> {
             let state = match (key.revoke_time, key.expire_time) {
                 (Some(time), _) => format!("revoked {time:.0}"),
                 (None, Some(time)) if time <= now => format!("expired {time:.0}"),
+                (None, Some(time)) if key.is_sign_in => format!("signed in until {time:.0}"),
                 (None, Some(time)) => format!("until {time:.0}"),
                 (None, None) => "valid".to_owned(),
             };

@@ -18,15 +18,16 @@ use bendtwin_proto::v1::{
     key_service_client::KeyServiceClient, planning_service_client::PlanningServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
-    twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
+    sign_in_service_client::SignInServiceClient, twin_service_client::TwinServiceClient,
+    worker_service_client::WorkerServiceClient,
 };
 use bendtwin_tls::{ClientConfig, Connector, TlsError, client_config};
 use tonic::transport::Endpoint;
 use url::Url;
 
 use crate::{
-    Captures, Error, Evaluations, Fits, Keys, Plans, Registrations, Rollouts, Sessions, Twins,
-    Workers, token,
+    Captures, Error, Evaluations, Fits, Keys, Plans, Registrations, Rollouts, Sessions, SignIns,
+    Twins, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -146,6 +147,11 @@ impl Client {
         Keys::new(KeyServiceClient::new(self.channel.clone()))
     }
 
+    /// Sign-ins of people.
+    pub fn sign_ins(&self) -> SignIns {
+        SignIns::new(SignInServiceClient::new(self.channel.clone()))
+    }
+
     /// Worker processes that the server knows.
     pub fn workers(&self) -> Workers {
         Workers::new(WorkerServiceClient::new(self.channel.clone()))
@@ -182,7 +188,7 @@ impl Client {
 }
 
 /// The address as a URL: `localhost:7070` is `http://localhost:7070`.
-fn complete(address: &str) -> Cow<'_, str> {
+pub(crate) fn complete(address: &str) -> Cow<'_, str> {
     let address = address.trim_end_matches('/');
     if address.contains("://") { address.into() } else { format!("http://{address}").into() }
 }

@@ -38,6 +38,8 @@ pub struct Key {
     pub last_use_time: Option<Timestamp>,
     /// Bounds on what its owner may have.
     pub quotas: KeyQuotas,
+    /// True if a person got it by signing in.
+    pub is_sign_in: bool,
 }
 }
 

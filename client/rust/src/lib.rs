@@ -76,6 +76,7 @@ mod registrations;
 mod resources;
 mod rollouts;
 mod sessions;
+mod sign_ins;
 pub mod token;
 mod twins;
 mod watch;
@@ -112,6 +113,7 @@ pub use self::{
     sessions::{
         Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
     },
+    sign_ins::{Caller, DeviceCode, SignIns},
     twins::{Geometry, Twins},
     watch::Watch,
     workers::Workers,

@@ -2,6 +2,7 @@
 //! scopes is for others to decide.
 
 pub(crate) mod quotas;
+mod sign_ins;
 
 use bendtwin_core::ids::KeyId;
 use jiff::Timestamp;
@@ -36,6 +37,8 @@ pub struct Key {
     pub revoked: Option<Timestamp>,
     /// Time of its last use, to about a minute.
     pub used: Option<Timestamp>,
+    /// The person who got it by signing in; none for a key that somebody made.
+    pub signed_in_as: Option<String>,
 }
 
 /// A key to be stored.
@@ -55,6 +58,8 @@ pub struct NewKey {
     pub quotas: Quotas,
     /// Time from which it is not accepted any more, if there is one.
     pub expires: Option<Timestamp>,
+    /// The person who signs in, as the identity provider names them; none for other keys.
+    pub signed_in_as: Option<String>,
 }
 
 /// The keys of a store.
@@ -77,6 +82,7 @@ row! {
         max_queued_jobs: Option<i64>,
         max_stored_bytes: Option<i64>,
         max_rollouts: Option<i64>,
+        signed_in_as: Option<String>,
     }
 }
 
@@ -101,6 +107,7 @@ impl TryFrom<Row> for Key {
             expires: row.expires_at.map(from_micros),
             revoked: row.revoked_at.map(from_micros),
             used: row.used_at.map(from_micros),
+            signed_in_as: row.signed_in_as,
             display_name: row.display_name,
             owner: row.owner,
         })
@@ -114,31 +121,10 @@ impl Keys<'_> {
     /// [`Error::DiskFull`], database errors.
     pub async fn create(&self, new: NewKey) -> Result<Key> {
         self.store.admit()?;
-        let bound = |n: Option<u64>| n.map(|n| i64::try_from(n).unwrap_or(i64::MAX));
-        let mut scopes = new.scopes;
-        scopes.sort();
-        scopes.dedup();
         let mut tx = self.store.inner.database.write().await?;
-        let row: Row = query(
-            "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
-                 max_queued_jobs, max_stored_bytes, max_rollouts)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
-        )
-        .bind(new.id.uuid().to_string())
-        .bind(new.display_name)
-        .bind(new.owner)
-        .bind(new.hash.to_hex().as_str())
-        // A list of words always serialises.
-        .bind(serde_json::to_string(&scopes).unwrap_or_default())
-        .bind(self.store.now_micros())
-        .bind(new.expires.map(micros))
-        .bind(bound(new.quotas.queued_jobs))
-        .bind(bound(new.quotas.stored_bytes))
-        .bind(bound(new.quotas.rollouts))
-        .fetch_one(&mut tx)
-        .await?;
+        let key = insert(&mut tx, new, self.store.now_micros()).await?;
         tx.commit().await?;
-        row.try_into()
+        Ok(key)
     }
 
     /// Returns a key.
@@ -212,6 +198,34 @@ impl Keys<'_> {
         tx.commit().await?;
         Ok(())
     }
+}
+
+/// Stores a key with this time of creation.
+async fn insert(tx: &mut Transaction, new: NewKey, now: i64) -> Result<Key> {
+    let bound = |n: Option<u64>| n.map(|n| i64::try_from(n).unwrap_or(i64::MAX));
+    let mut scopes = new.scopes;
+    scopes.sort();
+    scopes.dedup();
+    let row: Row = query(
+        "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
+             max_queued_jobs, max_stored_bytes, max_rollouts, signed_in_as)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11) returning *",
+    )
+    .bind(new.id.uuid().to_string())
+    .bind(new.display_name)
+    .bind(new.owner)
+    .bind(new.hash.to_hex().as_str())
+    // A list of words always serialises.
+    .bind(serde_json::to_string(&scopes).unwrap_or_default())
+    .bind(now)
+    .bind(new.expires.map(micros))
+    .bind(bound(new.quotas.queued_jobs))
+    .bind(bound(new.quotas.stored_bytes))
+    .bind(bound(new.quotas.rollouts))
+    .bind(new.signed_in_as)
+    .fetch_one(&mut *tx)
+    .await?;
+    row.try_into()
 }
 
 /// Records a use, unless a later one is recorded.

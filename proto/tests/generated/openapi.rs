@@ -22,7 +22,7 @@ const PROTOBUF: &str = "application/x-protobuf";
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
 
 /// Tags by service.
-const TAGS: [(&str, &str); 10] = [
+const TAGS: [(&str, &str); 11] = [
     ("CaptureService", "captures"),
     ("FitService", "fits"),
     ("TwinService", "twins"),
@@ -32,6 +32,7 @@ const TAGS: [(&str, &str); 10] = [
     ("PlanningService", "plans"),
     ("SessionService", "sessions"),
     ("KeyService", "keys"),
+    ("SignInService", "sign-in"),
     ("WorkerService", "workers"),
 ];
 

@@ -61,6 +61,7 @@ fn words_that_are_no_scopes_allow_nothing() {
         expires: None,
         revoked: None,
         used: None,
+        signed_in_as: None,
     };
     let caller = Caller::with_key(&key, InFlight::default());
     assert_eq!((caller.key, &*caller.owner), (Some(key.id), "b"));

@@ -1,5 +1,7 @@
 //! Keys of clients: made, listed, revoked. `access` decides what they allow.
 
+mod sign_ins;
+
 use bendtwin_core::ids::KeyId;
 use bendtwin_store::{Key, NewKey, Page, PageRequest, Quotas};
 use jiff::Timestamp;
@@ -9,6 +11,8 @@ use crate::{
     access::{Scope, key},
     audit,
 };
+
+pub(crate) use sign_ins::WhoAmI;
 
 /// A requested key.
 #[derive(Clone, Debug, Default)]
@@ -45,6 +49,7 @@ impl App {
                 scopes,
                 quotas,
                 expires,
+                signed_in_as: None,
             };
             let store = self.store.clone();
             let key = self.change(async move { store.keys().create(new).await }).await?;

@@ -2,6 +2,7 @@
 
 mod audit;
 pub(super) mod keys;
+mod sign_in;
 
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;

@@ -20,7 +20,7 @@ pub(crate) use compatibility::{newer, require_alone};
 pub(crate) const BREAKING: &str = "breaking_";
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 17] = [
+const MIGRATIONS: [(i64, &str, &str); 18] = [
     (1, "initial", include_str!("../../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../../migrations/0003_uploads.sql")),
@@ -38,6 +38,7 @@ const MIGRATIONS: [(i64, &str, &str); 17] = [
     (15, "deleted_requests", include_str!("../../migrations/0015_deleted_requests.sql")),
     (16, "recorded_by", include_str!("../../migrations/0016_recorded_by.sql")),
     (17, "supplements", include_str!("../../migrations/0017_supplements.sql")),
+    (22, "sign_in", include_str!("../../migrations/0022_sign_in.sql")),
 ];
 
 /// The migrations of SQLite.

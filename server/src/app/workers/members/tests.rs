@@ -45,7 +45,7 @@ impl Fleet {
             ..bendtwin_store::Options::new(folder.path())
         });
         let (certificates, metrics) = (Certificates::default(), Metrics::new());
-        let app = App::new(Options::default(), store.await.unwrap(), certificates, metrics);
+        let app = App::new(Options::default(), store.await.unwrap(), certificates, metrics, None);
         app.recover().await.unwrap();
         let other = ServerId::generate();
         Some(Self { app, clock, other, _folder: folder, _postgres: postgres })
