@@ -82,7 +82,7 @@ impl Blobs {
     ) -> Result<Self> {
         let staging = match &place {
             Place::Folder(folder) => folder.clone(),
-            // Its files are on their way: the meter is for the place.
+            // Files wait here until they are sent to the bucket, which alone is measured.
             Place::Bucket(_) => Folder::open(&own(data_dir), false, Meter::idle(Part::Content))?,
         };
         staging.clear_incoming().await?;

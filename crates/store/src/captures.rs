@@ -140,11 +140,8 @@ impl Row {
     ) -> Result<Capture> {
         let same_name = self.first_name() == display_name;
         let before = Capture::try_from(self)?;
-        if before.digest == digest && same_name {
-            return Ok(before);
-        }
-        let (request_id, name) = (request.id.to_owned(), before.id.to_string());
-        Err(Error::RequestIdTaken { request_id, name })
+        request.require_same(before.digest == digest && same_name, before.id)?;
+        Ok(before)
     }
 }
 
@@ -208,12 +205,7 @@ impl Captures<'_> {
             request.find(self.store.inner.database.read(), "*", "captures").await?;
         match row {
             Some(row) => row.repeated(request, name, digest),
-            None => {
-                let mut tx = self.store.inner.database.write().await?;
-                deleted_requests::refuse(&mut tx, Kind::Captures, Some(request), None).await?;
-                // It went without a trace meanwhile: the next attempt is no repetition.
-                Err(Error::ContentBusy)
-            }
+            None => Err(self.store.vanished(Kind::Captures, request).await),
         }
     }
 

@@ -86,7 +86,7 @@ macro_rules! run {
                         sqlx::query_with::<Postgres, _>(sql, arguments::<Postgres>(values)?);
                     match meter {
                         Some(_) => $postgres(answered(query.$call(connection)).await?),
-                        // Of maintenance, whose statements may take their time.
+                        // Statements of maintenance have no time limit.
                         None => $postgres(query.$call(connection).await?),
                     }
                 }

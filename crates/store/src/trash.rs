@@ -201,7 +201,7 @@ impl Trash<'_> {
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         if let Some(job) = suspended {
-            // Its watchers, and the worker of an ingest, learn that it is gone.
+            // Watchers of the capture, and the worker of an ingest, learn that it is gone.
             let _ = self.store.inner.changes.send(job);
         }
         self.store.pass(Failpoint::AfterCommit)?;

@@ -126,11 +126,8 @@ impl Row {
     fn repeated(self, request: RequestId<'_>, display_name: &str, digest: Digest) -> Result<Twin> {
         let same_name = self.first_name() == display_name;
         let before = Twin::try_from(self)?;
-        if before.digest == digest && same_name {
-            return Ok(before);
-        }
-        let (request_id, name) = (request.id.to_owned(), before.id.to_string());
-        Err(Error::RequestIdTaken { request_id, name })
+        request.require_same(before.digest == digest && same_name, before.id)?;
+        Ok(before)
     }
 }
 
@@ -247,12 +244,7 @@ impl Twins<'_> {
         let row: Option<Row> = request.find(self.store.inner.database.read(), "*", "twins").await?;
         match row {
             Some(row) => row.repeated(request, name, digest),
-            None => {
-                let mut tx = self.store.inner.database.write().await?;
-                deleted_requests::refuse(&mut tx, Kind::Twins, Some(request), None).await?;
-                // It went without a trace meanwhile: the next attempt is no repetition.
-                Err(Error::ContentBusy)
-            }
+            None => Err(self.store.vanished(Kind::Twins, request).await),
         }
     }
 

@@ -162,7 +162,7 @@ async fn ask(
     let connector = Connector::new(time).at(address).with_tls(move || settings.clone());
     let scheme = if has_tls { "https" } else { "http" };
     let mut stream = connector.connect(format!("{scheme}://localhost").parse()?).await?;
-    // Of HTTP/1.0, whose answers are neither in chunks nor followed by others.
+    // HTTP/1.0: the answer is not chunked, and the connection ends with it.
     let request = format!("GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n");
     stream.write_all(request.as_bytes()).await?;
     stream.flush().await?;

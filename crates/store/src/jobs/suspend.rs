@@ -28,7 +28,7 @@ impl Jobs<'_> {
             row = row::fetch(tx, job).await?;
         }
         self.suspend(tx, &row).await?;
-        // It follows its capture.
+        // An ingest goes and comes back with its capture.
         query(
             "update jobs set trashed_at = c.trashed_at, purge_at = c.purge_at
              from captures as c

@@ -37,7 +37,6 @@ use crate::{
     database::{self, postgres, sqlite},
     folder::{self, disk::Reserve},
     sql::{Readers, query},
-    store::meter::{Meter, Part},
 };
 
 /// Blobs copied concurrently.
@@ -86,13 +85,8 @@ pub async fn restore(from: &Path, site: &Site) -> Result<Restore> {
     folder::make(&site.data_dir)?;
     let _target = database::lock(&site.data_dir)?;
     let staging = site.data_dir.join(database::RESTORING);
-    let state = begin(site, &staging, manifest.clone()).await?;
-    let place = Place::open(
-        site.objects.as_ref(),
-        &site.data_dir,
-        site.database.is_some(),
-        Meter::idle(Part::Content),
-    )?;
+    let place = site.new_place()?;
+    let state = begin(site, &place, &staging, manifest.clone()).await?;
     let wanted = stage_rows(from, &staging, &state).await?;
 
     place.set_identity(&state.identity).await?;
@@ -151,13 +145,7 @@ async fn open(from: &Path) -> Result<(Option<Manifest>, fs::File)> {
 }
 
 /// Begins a restore to an empty target, or continues the one that was begun there.
-async fn begin(site: &Site, staging: &Path, of: Option<Manifest>) -> Result<State> {
-    let place = Place::open(
-        site.objects.as_ref(),
-        &site.data_dir,
-        site.database.is_some(),
-        Meter::idle(Part::Content),
-    )?;
+async fn begin(site: &Site, place: &Place, staging: &Path, of: Option<Manifest>) -> Result<State> {
     let (database, objects) = (site.database_name(), place.name());
     let identity = Uuid::new_v4().to_string();
     let state = State { identity, of, database, objects };
@@ -172,7 +160,7 @@ async fn begin(site: &Site, staging: &Path, of: Option<Manifest>) -> Result<Stat
             return Ok(before);
         }
     }
-    require_empty(site, &place).await?;
+    require_empty(site, place).await?;
     folder::make(staging)?;
     let text = serde_json::to_vec_pretty(&state).map_err(io::Error::other)?;
     folder::write(&staging.join(database::RESTORE_STATE), &text)?;

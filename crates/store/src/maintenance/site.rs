@@ -58,12 +58,16 @@ impl Site {
         if self.objects.is_none() {
             require(&own(&self.data_dir))?;
         }
-        Place::open(
-            self.objects.as_ref(),
-            &self.data_dir,
-            self.database.is_some(),
-            Meter::idle(Part::Content),
-        )
+        self.new_place()
+    }
+
+    /// The place of content, which need not exist.
+    ///
+    /// # Errors
+    /// Errors of the bucket and of files.
+    pub(super) fn new_place(&self) -> Result<Place> {
+        let (objects, is_shared) = (self.objects.as_ref(), self.database.is_some());
+        Place::open(objects, &self.data_dir, is_shared, Meter::idle(Part::Content))
     }
 }
 

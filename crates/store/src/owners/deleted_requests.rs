@@ -107,6 +107,16 @@ pub(crate) async fn take_back(
 }
 
 impl Store {
+    /// The error of a request that repeats one whose resource is no longer there.
+    pub(crate) async fn vanished(&self, kind: Kind, request: RequestId<'_>) -> Error {
+        let refused = async {
+            let mut tx = self.inner.database.write().await?;
+            refuse(&mut tx, kind, Some(request), None).await
+        };
+        // Without a trace of it the next attempt is no repetition.
+        refused.await.err().unwrap_or(Error::ContentBusy)
+    }
+
     /// Keeps the request id of a resource within the transaction that deletes it.
     pub(crate) async fn keep_request_id(
         &self,

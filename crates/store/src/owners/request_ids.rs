@@ -6,10 +6,12 @@
 //! that of a second owner with the owner behind it (docs/adr/0049). Ids and owners have no control
 //! characters, so the two parts are distinct.
 
+use std::fmt::Display;
+
 use sqlx::AssertSqlSafe;
 
 use crate::{
-    Result,
+    Error, Result,
     sql::{Record, Target, Transaction, query, query_scalar},
 };
 
@@ -57,6 +59,15 @@ impl<'a> RequestId<'a> {
             .bind(self.qualified())
             .fetch_optional(target)
             .await
+    }
+
+    /// Refuses a repetition whose first request made something else, the resource of this name.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`].
+    pub(crate) fn require_same(self, is_same: bool, name: impl Display) -> Result<()> {
+        let (request_id, name) = (self.id.to_owned(), name.to_string());
+        if is_same { Ok(()) } else { Err(Error::RequestIdTaken { request_id, name }) }
     }
 
     /// The text for a new row of a table.

@@ -186,7 +186,7 @@ impl Retention<'_> {
             let deletion = Deletion { kept, by: format!("retention: {}", rule.display_name) };
             for found in found {
                 let mut tx = self.store.inner.database.write().await?;
-                // It may have been changed, deleted or used since.
+                // The resource may have been changed, deleted or used since it was found.
                 if !self.still_matches(&mut tx, rule, found.resource).await? {
                     continue;
                 }
