@@ -1,5 +1,7 @@
 //! The one way in: finds out what kind of capture lies at a path and reads it.
 
+mod coincident;
+
 use std::path::Path;
 
 use bendtwin_core::{Capture, Finding};
@@ -153,7 +155,7 @@ pub(crate) fn read_one(files: &mut Files<'_>, remarks: &mut Remarks) -> Result<C
         first => first,
     };
     let mut notes = Vec::new();
-    let capture = match (format, mocap::packed(&contents)) {
+    let mut capture = match (format, mocap::packed(&contents)) {
         (Some(Format::Bundle), _) => bundle::read(files, &mut notes)?,
         (Some(Format::PhysTwin), _) => phystwin::read(files, &mut notes)?,
         (Some(Format::Markers), _) => {
@@ -167,6 +169,7 @@ pub(crate) fn read_one(files: &mut Files<'_>, remarks: &mut Remarks) -> Result<C
         }
         (Some(Format::Recordings | Format::MotionCapture) | None, _) => return Err(files.unknown()),
     };
+    coincident::merge(&mut capture.object, &mut notes);
     notes.extend(taken(&contents).map(Note));
     remarks.add(notes);
     validate(&capture)?;

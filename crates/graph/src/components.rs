@@ -2,12 +2,16 @@
 
 use std::{collections::HashMap, num::NonZero};
 
+use bendtwin_core::Point;
+use bendtwin_near::{PointTree, Search};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use super::{MIN_REST_LENGTH_M, NodeSample, spread::distance_squared};
 
 /// Springs from each side of a joint: fewer would leave a hinge.
 const JOINT_SPRINGS: usize = 3;
+/// Share of [`MIN_REST_LENGTH_M`] below which nodes are certainly too near for a spring.
+const TOO_NEAR: f32 = 0.99;
 /// Nearest nodes that are searched before all nodes are.
 const FEW: NonZero<usize> = NonZero::new(24).unwrap();
 
@@ -53,7 +57,8 @@ pub(super) fn join(
     let mut joined = 0;
     loop {
         let roots: Vec<u32> = (0..n as u32).map(|i| sets.find(i)).collect();
-        let pieces = Pieces { sample, tree, roots };
+        let (members, trees) = (HashMap::new(), HashMap::new());
+        let mut pieces = Pieces { sample, tree, roots, members, trees };
         let before = joined;
         for [a, b] in pieces.closest_approaches() {
             if sets.union(a, b) {
@@ -73,6 +78,9 @@ struct Pieces<'a> {
     tree: &'a ImmutableKdTree<f32, 3>,
     /// Name of each node's piece, shape [N].
     roots: Vec<u32>,
+    /// Nodes by piece, once they are asked for, and trees of those that were.
+    members: HashMap<u32, Vec<u32>>,
+    trees: HashMap<u32, PointTree>,
 }
 
 impl Pieces<'_> {
@@ -106,22 +114,27 @@ impl Pieces<'_> {
                 consider(i, near);
             }
         }
+        if unseen.is_empty() {
+            return best.into_iter().filter(|(d, _)| d.is_finite()).map(|(_, pair)| pair).collect();
+        }
+        let all = PointTree::grouped(&self.sample.positions, &self.roots, metric);
         for (i, seen_to) in unseen {
-            if seen_to < consider(i, Vec::new()) {
-                consider(i, self.all(i, elsewhere(i)));
+            let nearest = consider(i, Vec::new());
+            if seen_to < nearest {
+                consider(i, self.elsewhere(&all, i, nearest));
             }
         }
         best.into_iter().filter(|(d, _)| d.is_finite()).map(|(_, pair)| pair).collect()
     }
 
     /// Adds springs from each of two nodes to the nearest nodes of the other's piece.
-    fn joint(&self, ends: [u32; 2], springs: &mut Vec<[u32; 2]>) {
+    fn joint(&mut self, ends: [u32; 2], springs: &mut Vec<[u32; 2]>) {
         for [from, to] in [ends, [ends[1], ends[0]]] {
             let piece = self.roots[to as usize];
             let opposite = |k: usize| self.roots[k] == piece;
             let (mut near, _) = self.few(from as usize, opposite);
             if near.is_empty() {
-                near = self.all(from as usize, opposite);
+                near = self.of_piece(from as usize, piece);
             }
             let near = nearest_first(near, JOINT_SPRINGS);
             springs.extend(near.into_iter().map(|(_, k)| [from.min(k), from.max(k)]));
@@ -141,12 +154,64 @@ impl Pieces<'_> {
         (found.filter(|f| apart(f) && wanted(f.1 as usize)).collect(), seen_to)
     }
 
-    /// Nodes of some kind among all nodes.
-    fn all(&self, i: usize, wanted: impl Fn(usize) -> bool) -> Vec<(f32, u32)> {
-        let at = self.sample.positions[i];
-        let all = self.sample.positions.iter().zip(0..);
-        let all = all.map(|(p, k)| (distance_squared(at, *p), k));
-        all.filter(|f| apart(f) && wanted(f.1 as usize)).collect()
+    /// The node of another piece of its object nearest to node `i`, nearer than a squared distance, if there is
+    /// one. Of its own piece, and of nodes too near for a spring, there may be any number.
+    fn elsewhere(&self, all: &PointTree, i: usize, within: f32) -> Vec<(f32, u32)> {
+        let objects = &self.sample.object_ids;
+        let others = Search {
+            most: f64::from(within),
+            other_than: Some((&self.roots, self.roots[i])),
+            ..apart_search(1)
+        };
+        let wanted = |k: &(f32, u32)| apart(k) && objects[k.1 as usize] == objects[i];
+        found(all, self.sample.positions[i], others, wanted)
+    }
+
+    /// The nodes of a piece nearest to node `i`.
+    fn of_piece(&mut self, i: usize, piece: u32) -> Vec<(f32, u32)> {
+        if self.members.is_empty() {
+            for (root, k) in self.roots.iter().zip(0..) {
+                self.members.entry(*root).or_default().push(k);
+            }
+        }
+        let positions = &self.sample.positions;
+        let members = self.members.get(&piece).map_or(&[][..], Vec::as_slice);
+        let tree = self.trees.entry(piece).or_insert_with(|| {
+            PointTree::with_metric(members.iter().map(|k| positions[*k as usize]), metric)
+        });
+        let near = found(tree, positions[i], apart_search(JOINT_SPRINGS), apart);
+        near.into_iter().map(|(square, k)| (square, members[k as usize])).collect()
+    }
+}
+
+/// Squared distances as the tree of all nodes gives them.
+fn metric(a: Point, b: Point) -> f64 {
+    f64::from(distance_squared(a, b))
+}
+
+/// A search for nodes that are not certainly too near.
+fn apart_search(count: usize) -> Search<'static> {
+    let too_near = f64::from(TOO_NEAR * MIN_REST_LENGTH_M);
+    Search { beyond: too_near * too_near, ..Search::nearest(count) }
+}
+
+/// The nearest nodes that a search finds and that are wanted. The search is widened while it finds others.
+fn found(
+    tree: &PointTree,
+    at: Point,
+    search: Search<'_>,
+    wanted: impl Fn(&(f32, u32)) -> bool,
+) -> Vec<(f32, u32)> {
+    let mut count = search.count;
+    loop {
+        let near = tree.search(at, &Search { count, ..search });
+        let is_all = near.len() < count;
+        let all = near.into_iter().map(|near| (near.square as f32, near.number));
+        let found: Vec<(f32, u32)> = all.filter(&wanted).collect();
+        if is_all || found.len() >= search.count {
+            return found;
+        }
+        count *= 4;
     }
 }
 

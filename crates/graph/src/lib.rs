@@ -111,12 +111,14 @@ pub struct LeftOut {
     pub never_visible: usize,
     /// Seen later, but not at the start frame: where they started is a guess.
     pub hidden_at_start: usize,
+    /// In the place of another node, which no spring would join to them.
+    pub coincident: usize,
 }
 
 impl LeftOut {
     /// All of them.
     pub fn total(&self) -> usize {
-        self.not_finite + self.never_visible + self.hidden_at_start
+        self.not_finite + self.never_visible + self.hidden_at_start + self.coincident
     }
 }
 

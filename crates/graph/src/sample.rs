@@ -22,8 +22,8 @@ use super::{
 /// points are reduced to `settings.sampling_ratio` of their number, and to at
 /// most `settings.max_nodes`, each kind in proportion, by farthest-point
 /// sampling over all kinds together, or at random. Points that are pinned to a
-/// control point are always kept, even beyond `max_nodes`. Nodes are ordered by kind and,
-/// within a kind, along a space-filling curve.
+/// control point are always kept, even beyond `max_nodes`. Of other points in one place only the first
+/// counts. Nodes are ordered by kind and, within a kind, along a space-filling curve.
 ///
 /// A capture with known edges (a cable) keeps all its tracked points, in their
 /// own order, and nothing else.
@@ -52,10 +52,14 @@ pub fn sample_nodes(
             points: object.point_count,
         });
     }
-    let chosen = if cable {
-        (0..pool.positions.len()).collect()
+    let surface = pool.surface();
+    let (pool, chosen) = if cable {
+        let all = (0..pool.positions.len()).collect();
+        (pool, all)
     } else {
-        pool.reduce(object, settings, seed)
+        let pool = pool.distinct(object, &mut left_out);
+        let chosen = pool.reduce(object, settings, seed);
+        (pool, chosen)
     };
     let positions: Vec<Point> = chosen.iter().map(|&i| pool.positions[i]).collect();
     let point_spacing_m = mean_spacing(&pool.positions);
@@ -80,7 +84,7 @@ pub fn sample_nodes(
         rest_shape: rest_shape.map(Iterator::collect),
         point_spacing_m,
         spacing_scale,
-        surface: pool.surface(),
+        surface,
         left_out,
         positions,
     })
@@ -208,6 +212,26 @@ impl Pool {
         self.positions.push(position);
         self.kinds.push(kind);
         self.tracked.push(tracked);
+    }
+
+    /// The points without those that lie in the place of an earlier one, unless a control point holds them or
+    /// they have another place in the undeformed shape.
+    fn distinct(self, object: &Object, left_out: &mut LeftOut) -> Self {
+        let held: HashSet<u32> = object.pins.iter().map(|h| h.point).collect();
+        // 0 and -0 are the same place.
+        let bits = |p: Point| p.map(|x| (x + 0.0).to_bits());
+        let undeformed = |i: usize| object.rest_points.get(self.tracked[i]?).copied();
+        let mut places = HashSet::with_capacity(self.positions.len());
+        let mut distinct = Self::default();
+        for (i, position) in self.positions.iter().enumerate() {
+            let is_new = places.insert((bits(*position), undeformed(i).map(bits)));
+            if is_new || held.contains(&self.observed(i)) {
+                distinct.push(*position, self.kinds[i], self.tracked[i]);
+            } else {
+                left_out.coincident += 1;
+            }
+        }
+        distinct
     }
 
     /// All but interior points.

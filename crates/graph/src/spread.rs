@@ -54,22 +54,26 @@ fn farthest(distance: &[f32]) -> Option<usize> {
     best.1
 }
 
+/// Most points whose neighbours are searched for the mean spacing.
+const MAX_MEASURED: usize = 100_000;
+
 /// Mean distance of a point to its sixth neighbour (to its last one where
-/// there are fewer) [m]; 0 for fewer than two points.
+/// there are fewer) [m]; 0 for fewer than two points. Of very many points, that of some, evenly taken.
 pub fn mean_spacing(points: &[Point]) -> f64 {
     let Some(wanted) = NonZero::new(SPACING_NEIGHBOUR.min(points.len().saturating_sub(1)) + 1)
     else {
         return 0.0;
     };
     let Some(tree) = tree(points) else { return 0.0 };
-    let sum: f64 = points
-        .iter()
+    let measured = points.iter().step_by(points.len().div_ceil(MAX_MEASURED));
+    let count = measured.len();
+    let sum: f64 = measured
         .map(|p| {
             let found = tree.query(p).nearest_n::<SquaredEuclidean<f32>>(wanted).execute();
             found.last().map_or(0.0, |n| f64::from(n.distance).sqrt())
         })
         .sum();
-    sum / points.len() as f64
+    sum / count as f64
 }
 
 /// A KD-tree over `points`; none where there are no points.

@@ -9,6 +9,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{spread::distance_squared, *};
 
+mod crowds;
+
 fn capture(observed: Vec<Point>, completed: Vec<Point>, interior: Vec<Point>) -> Capture {
     let n = observed.len();
     Capture {
@@ -382,7 +384,10 @@ fn unusable_points_are_counted_and_left_out() {
     later.visible[2] = false;
     capture.sequences.push(later);
     let sample = sample_nodes(&capture, &settings(100), 0).unwrap();
-    assert_eq!(sample.left_out, LeftOut { not_finite: 2, never_visible: 1, hidden_at_start: 1 });
+    assert_eq!(
+        sample.left_out,
+        LeftOut { not_finite: 2, never_visible: 1, hidden_at_start: 1, coincident: 0 }
+    );
     assert_eq!(sample.node_count(), 7);
 }
 

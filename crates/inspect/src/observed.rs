@@ -13,6 +13,9 @@ use crate::{
 
 /// Points and control points of a frame whose distances are taken.
 const MAX_POINTS: usize = 400;
+/// Distances between points and control points that are taken: beyond a recording of some minutes, of
+/// fewer points.
+const MAX_PAIRS: usize = 2_000_000_000;
 
 /// Inspects an observed capture. Its findings are those of [`bendtwin_capture::check()`].
 pub fn inspect_observed(capture: &Capture) -> Inspection {
@@ -75,6 +78,8 @@ fn scene(capture: &Capture) -> Scene {
     };
     let upright = Upright::of(&capture.environment);
     let frames = 0..sequence.frame_count;
+    let most = MAX_POINTS.min((MAX_PAIRS / sequence.frame_count.max(1)).isqrt());
+    let thin = |points: &[Point]| thin(points, most);
     let clouds: Vec<Vec<Vector>> = frames.map(|f| thin(&seen(sequence, f))).collect();
     let middles: Vec<Option<Vector>> = clouds.iter().map(|c| middle(c)).collect();
     let controls: Vec<Vec<Vector>> =
@@ -113,8 +118,9 @@ fn scene(capture: &Capture) -> Scene {
     }
 }
 
-fn thin(points: &[Point]) -> Vec<Vector> {
-    let step = points.len().div_ceil(MAX_POINTS).max(1);
+/// At most `most` of the points, evenly taken.
+fn thin(points: &[Point], most: usize) -> Vec<Vector> {
+    let step = points.len().div_ceil(most.max(1)).max(1);
     let finite = points.iter().step_by(step).filter(|p| p.iter().all(|x| x.is_finite()));
     finite.map(|p| wide(*p)).collect()
 }

@@ -74,7 +74,7 @@ pub(crate) struct CameraScan {
     pub(crate) outlines: Vec<OutlineFit>,
     /// The first files that could not be decoded.
     pub(crate) damaged_files: Vec<DamagedFile>,
-    /// Frames with a file that could not be decoded.
+    /// Frames with a file that could not be decoded, ascending.
     pub(crate) damaged_frames: Vec<usize>,
     /// Number of files that could not be decoded.
     pub(crate) damaged_file_count: usize,
@@ -86,6 +86,13 @@ pub(crate) struct CameraScan {
     pub(crate) track_count: Option<usize>,
     /// Median over visible tracks of their largest distance from their start [px].
     pub(crate) track_reach_px: Option<f64>,
+}
+
+impl CameraScan {
+    /// True if a file of a frame could not be decoded.
+    pub(crate) fn is_damaged(&self, frame: usize) -> bool {
+        self.damaged_frames.binary_search(&frame).is_ok()
+    }
 }
 
 /// Reads the whole recording.

@@ -1,4 +1,5 @@
-//! Points in cells of space, to find those near a place.
+//! Points in cells of space, to find those near a place where points keep apart from each other. A cell may
+//! hold any number of others: those are for [`bendtwin_near::PointTree`].
 
 use std::collections::HashMap;
 
@@ -26,46 +27,28 @@ impl Grid {
     }
 
     /// Squared distance and index of the points within `radius_m`, which is at most a few cells.
-    pub(crate) fn within(&self, at: Point, radius_m: f64) -> Vec<(f64, usize)> {
-        let mut found = Vec::new();
+    pub(crate) fn within(&self, at: Point, radius_m: f64) -> impl Iterator<Item = (f64, usize)> {
         let reach = (radius_m / self.cell_m).ceil() as i64;
-        let [x, y, z] = self.cell(at);
-        for i in x - reach..=x + reach {
-            for j in y - reach..=y + reach {
-                for k in z - reach..=z + reach {
-                    for (index, p) in self.cells.get(&[i, j, k]).into_iter().flatten() {
-                        let square = square(at, *p);
-                        if square <= radius_m * radius_m {
-                            found.push((square, *index));
-                        }
-                    }
-                }
-            }
-        }
-        found
-    }
-
-    /// The nearest `count` of those, nearest first.
-    pub(crate) fn nearest(&self, at: Point, radius_m: f64, count: usize) -> Vec<usize> {
-        let mut found = self.within(at, radius_m);
-        let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        if found.len() > count {
-            found.select_nth_unstable_by(count, order);
-            found.truncate(count);
-        }
-        found.sort_by(order);
-        found.into_iter().map(|(_, i)| i).collect()
+        // Places far beyond any recording share the outermost cells.
+        let [x, y, z] = self.cell(at).map(|c| c.saturating_sub(reach)..=c.saturating_add(reach));
+        let cells = x.flat_map(move |i| {
+            let z = z.clone();
+            y.clone().flat_map(move |j| z.clone().map(move |k| [i, j, k]))
+        });
+        let near = cells.flat_map(|cell| self.cells.get(&cell).into_iter().flatten());
+        let measured = near.map(move |(index, p)| (square(at, *p), *index));
+        measured.filter(move |(square, _)| *square <= radius_m * radius_m)
     }
 
     /// The nearest of those; the first of equals.
     pub(crate) fn closest(&self, at: Point, radius_m: f64) -> Option<usize> {
-        let near = self.within(at, radius_m).into_iter();
+        let near = self.within(at, radius_m);
         near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, i)| i)
     }
 
     /// True if a point is within `radius_m`.
     pub(crate) fn any_within(&self, at: Point, radius_m: f64) -> bool {
-        !self.within(at, radius_m).is_empty()
+        self.within(at, radius_m).next().is_some()
     }
 
     fn cell(&self, p: Point) -> [i64; 3] {

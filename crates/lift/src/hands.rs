@@ -10,13 +10,14 @@ pub(crate) mod gripper;
 
 use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
+use bendtwin_near::PointTree;
 
 use self::{
     body::Body,
     cluster::clusters,
     contact::{Contact, holding},
 };
-use crate::{Error, evidence::HandEvidence, grid::Grid, tracks::Tracks};
+use crate::{Error, evidence::HandEvidence, tracks::Tracks};
 
 /// Least tracks of a hand: three span a pose, and one more shows whether they agree.
 pub(crate) const MIN_TRACKS: usize = 4;
@@ -91,7 +92,7 @@ pub(crate) fn controls(
         let mut starts: Vec<Point> = chosen.iter().map(|i| body.start(*i)).collect();
         // On a rigid hand any place moves as the tracks do.
         if body.is_rigid() {
-            let surface = Grid::of(starts.iter().copied(), settings.hand_gap_m);
+            let surface = PointTree::new(starts.iter().copied());
             let near = |p: &&Point| surface.any_within(**p, settings.hand_gap_m / 2.0);
             starts.extend(contact.hands.iter().filter(near));
         }

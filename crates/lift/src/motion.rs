@@ -7,9 +7,10 @@
 //! handles turns.
 
 use bendtwin_core::{CancelToken, Point, settings::ingest::MotionSettings};
+use bendtwin_near::PointTree;
 use rayon::prelude::*;
 
-use crate::{Error, error::check, grid::Grid, rigid, tracks::Tracks};
+use crate::{Error, error::check, rigid, tracks::Tracks};
 
 /// Noise of lifted points; residuals below it say nothing [m].
 const NOISE_M: f64 = 1e-3;
@@ -94,15 +95,15 @@ struct TrackMotion {
 /// Neighbours of each track in the first frame, nearest first.
 fn neighbours(tracks: &Tracks, settings: &MotionSettings) -> Vec<Vec<usize>> {
     let points = tracks.points_at(0);
-    let grid = Grid::of(points.iter().copied(), settings.radius_m / 2.0);
+    // Any number of tracks may begin in one place.
+    let tree = PointTree::new(points.iter().copied());
     (0..tracks.count)
         .into_par_iter()
         .map(|i| {
             // More than are asked for, since some will be hidden.
             let wanted = 2 * settings.neighbours as usize + 1;
-            let mut found = grid.nearest(points[i], settings.radius_m, wanted);
-            found.retain(|j| *j != i);
-            found
+            let found = tree.within(points[i], settings.radius_m, wanted).into_iter();
+            found.map(|near| near.number as usize).filter(|j| *j != i).collect()
         })
         .collect()
 }

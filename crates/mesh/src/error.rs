@@ -122,6 +122,16 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
+    /// Too many triangles lie in one place to tell inside from outside.
+    #[error(
+        "its {triangles} triangles lie in many layers, so inside and outside cannot be distinguished in bounded time: \
+         merge the copies, or simplify the mesh"
+    )]
+    #[problem(InvalidArgument, "MESH_LAYERS")]
+    Layers {
+        /// Number of triangles.
+        triangles: usize,
+    },
     /// Too little to align to.
     #[error(
         "a mesh is aligned to at least {needed} observed points, there are {found}: look at the object's masks and depth"

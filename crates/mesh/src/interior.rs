@@ -1,12 +1,17 @@
 //! Points on a grid inside a mesh.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bendtwin_core::Point;
 use rayon::prelude::*;
 
-use crate::{Error, Mesh, Solid};
+use crate::{Error, Mesh, Solid, winding::is_inside};
 
 /// Most cells of a grid.
 pub(crate) const MAX_CELLS: f64 = 20_000_000.0;
+/// Most parts of the surface that are visited for all cells. Of a body there are some hundred for a cell, but
+/// layers of triangles in one place are all visited for each cell between them.
+const MAX_VISITS: u64 = 4_000_000_000;
 
 impl Mesh {
     /// Points of a cubic grid inside the mesh, at least half a spacing from its surface, so that
@@ -14,17 +19,32 @@ impl Mesh {
     /// winding number says so.
     ///
     /// # Errors
-    /// If the spacing is no length, or so fine that memory would not hold the grid.
+    /// If the spacing is no length, or so fine that memory would not hold the grid, or if the surface has too
+    /// many layers.
     pub fn sample_interior(&self, spacing_m: f32) -> Result<Vec<Point>, Error> {
+        self.interior_within(spacing_m, MAX_VISITS)
+    }
+
+    fn interior_within(&self, spacing_m: f32, most_visits: u64) -> Result<Vec<Point>, Error> {
         let Some(grid) = self.bounds().map(|bounds| Grid::over(bounds, spacing_m)).transpose()?
         else {
             return Ok(Vec::new());
         };
         let solid = Solid::new(self);
-        Ok(grid.select(|p| {
+        let visits = AtomicU64::new(0);
+        let points = grid.select(|p| {
+            if visits.load(Ordering::Relaxed) > most_visits {
+                return false;
+            }
             let off_surface = |c: crate::Closest| c.distance >= f64::from(spacing_m) / 2.0;
-            solid.contains(p) && solid.surface().closest(p).is_some_and(off_surface)
-        }))
+            let (winding_number, visited) = solid.counted_winding_number(p);
+            visits.fetch_add(visited, Ordering::Relaxed);
+            is_inside(winding_number) && solid.surface().closest(p).is_some_and(off_surface)
+        });
+        if visits.into_inner() > most_visits {
+            return Err(Error::Layers { triangles: self.triangles.len() });
+        }
+        Ok(points)
     }
 }
 

@@ -45,10 +45,18 @@ impl Solid {
 
     /// The winding number of a point: 1 inside, 0 outside, between them near holes.
     pub fn winding_number(&self, p: Point) -> f64 {
+        self.counted_winding_number(p).0
+    }
+
+    /// The winding number, and the number of parts of the surface that were visited for it: a few hundred,
+    /// unless very many triangles lie around the point at the same distance.
+    pub(crate) fn counted_winding_number(&self, p: Point) -> (f64, u64) {
         let p = vec3(p);
         let mut angle = 0.0;
+        let mut visited = 0;
         let mut left = vec![0_usize];
         while let Some(index) = left.pop() {
+            visited += 1;
             let (Some(node), Some(dipole)) = (self.bvh.nodes.get(index), self.dipoles.get(index))
             else {
                 continue;
@@ -64,13 +72,18 @@ impl Solid {
                 left.extend([node.second, index + 1]);
             }
         }
-        angle / (4.0 * PI)
+        (angle / (4.0 * PI), visited)
     }
 
     /// True if a point lies inside.
     pub fn contains(&self, p: Point) -> bool {
-        self.winding_number(p) > 0.5
+        is_inside(self.winding_number(p))
     }
+}
+
+/// True for the winding number of a point inside.
+pub(crate) fn is_inside(winding_number: f64) -> bool {
+    winding_number > 0.5
 }
 
 fn dipole(bvh: &Bvh, node: &Node) -> Dipole {

@@ -215,7 +215,7 @@ impl Follower<'_> {
         for frame in first + 1..count {
             latest = self.advance(frame, &latest)?;
             step()?;
-            if later.contains(&frame) {
+            if later.binary_search(&frame).is_ok() {
                 self.back(&latest, (half_way(before, frame)..frame).rev(), &mut step)?;
                 before = frame;
             }

@@ -2,8 +2,9 @@
 
 use bendtwin_core::{
     Point,
-    geometry::{Vector, cross, distance, dot, sub, unit, wide},
+    geometry::{Vector, cross, dot, sub, unit, wide},
 };
+use bendtwin_near::PointTree;
 use nalgebra::{Matrix3, SymmetricEigen};
 
 /// Points farther than this from all strokes do not count [m].
@@ -36,7 +37,12 @@ impl Table {
     /// Finds the plane among points; `eyes` are the centres of the cameras, `marked` the places of
     /// strokes. `None` if no plane holds enough of the points near them.
     pub(crate) fn find(points: &[Point], eyes: &[Vector], marked: &[Point]) -> Option<Self> {
-        let is_near = |p: &&Point| marked.iter().any(|m| distance(wide(**p), wide(*m)) < NEAR_M);
+        let metric = |a, b| {
+            let offset = sub(wide(a), wide(b));
+            dot(offset, offset)
+        };
+        let strokes = PointTree::with_metric(marked.iter().copied(), metric);
+        let is_near = |p: &&Point| strokes.closest(**p).is_some_and(|m| m.square.sqrt() < NEAR_M);
         let near: Vec<Vector> = points.iter().filter(is_near).map(|p| wide(*p)).collect();
         let step = near.len().div_ceil(MOST_POINTS).max(1);
         let near: Vec<Vector> = near.into_iter().step_by(step).collect();

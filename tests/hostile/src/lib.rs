@@ -4,13 +4,14 @@
 //! Every file is a small valid one with one fault: a fault of its format from the table of that
 //! format ([`archives`], [`tars`], [`arrays`], [`pickles`], [`images`], [`recordings`], [`markers`],
 //! [`meshes`], [`splats`], [`documents`], [`masks`], [`calibrations`], [`twin_files`],
-//! [`torch_files`], [`requests`]), or damage to its bytes
-//! ([`damage`]). The same seed gives the same files, on every machine; file `n` of a seed does not
+//! [`torch_files`], [`requests`]), damage to its bytes ([`damage`]), or a number of points without a fault
+//! ([`crowds`]). The same seed gives the same files, on every machine; file `n` of a seed does not
 //! depend on those before it. Files are small: what they claim is large.
 
 pub mod archives;
 pub mod arrays;
 pub mod calibrations;
+pub mod crowds;
 pub mod damage;
 pub mod documents;
 pub mod images;
@@ -65,6 +66,7 @@ pub fn captures(seed: u64) -> impl Iterator<Item = Hostile> {
         named("zip", documents::IN_CAPTURES),
         named("zip", calibrations::IN_CAPTURES),
         named("zip", masks::IN_CAPTURES),
+        named("zip", crowds::IN_CAPTURES),
         named("mcap", recordings::FAULTS),
         named("mcap", messages::FAULTS),
         named("markers", markers::FAULTS),

@@ -45,7 +45,9 @@ fn nothing_hostile_panics_or_takes_long_or_takes_much() {
             let input = Input::new(&path, "hostile");
             let observed = ingest(input, &settings, &limits, &mut (), &cancel);
             // A file is refused with a report: an error would be one of the reader.
-            refused += usize::from(observed.unwrap().capture.is_err());
+            let observed = observed.unwrap();
+            refused += usize::from(observed.capture.is_err());
+            assert!(!observed.report.to_html().is_empty());
         }));
         std::fs::remove_file(&path).unwrap();
     }

@@ -6,7 +6,8 @@ use super::{Finding, distance, visible_points};
 
 /// A hand that never comes nearer does not touch the object [m].
 const FAR_M: f32 = 0.1;
-/// Pairs of points that are compared; longer recordings are checked in fewer frames.
+/// Pairs of points that are compared; longer recordings are checked in fewer frames, and where one frame has
+/// more, by fewer points.
 const MAX_PAIRS: usize = 500_000_000;
 /// A hand that moves less holds still [m].
 const STILL_M: f32 = 0.005;
@@ -66,8 +67,11 @@ fn far(sequence: &Sequence, findings: &mut Vec<Finding>) {
     let stride = pairs.div_ceil(MAX_PAIRS).max(1);
     for frame in (0..sequence.frame_count).step_by(stride) {
         let points = visible_points(sequence, frame);
-        for control in sequence.controls_at(frame) {
-            nearest = points.iter().map(|p| distance(control, p)).fold(nearest, f32::min);
+        let controls = sequence.controls_at(frame);
+        let every = points.len().saturating_mul(controls.len()).div_ceil(MAX_PAIRS).max(1);
+        for control in controls {
+            let some = points.iter().step_by(every);
+            nearest = some.map(|p| distance(control, p)).fold(nearest, f32::min);
         }
         if nearest <= FAR_M {
             return;

@@ -12,6 +12,7 @@ mod index;
 mod joints;
 mod messages;
 mod names;
+mod open;
 mod parts;
 mod pass;
 mod place;

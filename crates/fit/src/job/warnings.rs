@@ -22,11 +22,13 @@ pub(crate) fn of_fit(task: &Task<'_>, model: &ModelFit) -> Vec<String> {
     let left_out = task.sample.left_out;
     if left_out.total() > 0 {
         warnings.push(format!(
-            "{} tracked points could not become nodes ({} not finite, {} never visible, {} hidden at the start)",
+            "{} points could not become nodes ({} not finite, {} never visible, {} hidden at the start, {} in the place of \
+             another)",
             left_out.total(),
             left_out.not_finite,
             left_out.never_visible,
-            left_out.hidden_at_start
+            left_out.hidden_at_start,
+            left_out.coincident
         ));
     }
     for (variable, value) in model.space.at_bounds(point) {

@@ -1,7 +1,13 @@
 //! The graph that a fit with default settings would start from, over the first image of each
 //! camera.
 
-use bendtwin_core::{Graph, NodeKind, Point, settings::FitSettings};
+use std::borrow::Cow;
+
+use bendtwin_core::{
+    Capture, Graph, NodeKind, Point, Sequence,
+    capture::{HeldPoint, Object},
+    settings::FitSettings,
+};
 use bendtwin_graph::{Connectivity, NodeSample, connect, sample_nodes};
 use bendtwin_picture::{Canvas, Color, Error, Photograph, Rect, View};
 
@@ -12,6 +18,8 @@ use crate::picture_inputs::{CameraPictures, PictureInputs};
 const WIDTH: f32 = 640.0;
 /// Cameras that are shown.
 const MAX_CAMERAS: usize = 3;
+/// Most points of a capture that become nodes; more are thinned out, since nobody could tell them apart.
+const MAX_POINTS: usize = 6_000;
 /// Most springs that are drawn.
 const MAX_SPRINGS: usize = 6000;
 const SPRING: Color = Color(255, 255, 255);
@@ -23,9 +31,9 @@ const BORDER: f32 = 0.25;
 /// A picture for each camera; without images, one picture from the side. None without a capture
 /// that can be joined.
 pub(crate) fn graph(inputs: &PictureInputs) -> Figures {
-    let Some(capture) = &inputs.capture else { return Ok(Vec::new()) };
+    let Some(capture) = inputs.capture.as_ref().and_then(thinned) else { return Ok(Vec::new()) };
     let mut settings = FitSettings::default();
-    let Ok(sample) = sample_nodes(capture, &settings.graph, settings.seed) else {
+    let Ok(sample) = sample_nodes(&capture, &settings.graph, settings.seed) else {
         return Ok(Vec::new());
     };
     settings.graph.radius_m = Some(sample.radius_m(&settings.graph));
@@ -41,6 +49,50 @@ pub(crate) fn graph(inputs: &PictureInputs) -> Figures {
         figures.extend(drawing.alone(inputs)?);
     }
     Ok(figures)
+}
+
+/// The start of a capture's first sequence with at most [`MAX_POINTS`] points, evenly taken. None of a cable
+/// of more, whose edges need all of them.
+fn thinned(capture: &Capture) -> Option<Cow<'_, Capture>> {
+    let object = &capture.object;
+    let points = object.point_count + object.completed_surface.len() + object.interior.len();
+    let step = points.div_ceil(MAX_POINTS);
+    if step <= 1 {
+        return Some(Cow::Borrowed(capture));
+    }
+    let first = capture.sequences.first().filter(|_| object.edges.is_empty())?;
+    let frames = first.start_frame() + 1;
+    let rows = |width: usize| 0..frames.saturating_mul(width);
+    let each = |points: &[Point]| points.iter().step_by(step).copied().collect::<Vec<Point>>();
+    let columns = |frame: usize| each(first.points_at(frame));
+    let flags = |frame: usize| first.visible_at(frame).iter().step_by(step).copied();
+    let sequence = Sequence {
+        frame_count: frames,
+        points: (0..frames).flat_map(columns).collect(),
+        visible: (0..frames).flat_map(flags).collect(),
+        controls: first.controls.get(rows(first.control_count()))?.to_vec(),
+        start_frames: first.start_frames,
+        ..Sequence::default()
+    };
+    let pins = object.pins.iter().filter(|pin| (pin.point as usize).is_multiple_of(step));
+    let pin = |pin: &HeldPoint| HeldPoint { point: pin.point / step as u32, ..*pin };
+    let object = Object {
+        point_count: object.point_count.div_ceil(step),
+        completed_surface: each(&object.completed_surface),
+        interior: each(&object.interior),
+        rest_points: each(&object.rest_points),
+        pins: pins.map(pin).collect(),
+        ..Object::default()
+    };
+    Some(Cow::Owned(Capture {
+        name: capture.name.clone(),
+        object,
+        sequences: vec![sequence],
+        fps: capture.fps,
+        environment: capture.environment,
+        source_to_world: capture.source_to_world,
+        others: Vec::new(),
+    }))
 }
 
 struct Drawing<'a> {

@@ -18,6 +18,8 @@ const PANEL_PX: f32 = 300.0;
 const GAP_PX: f32 = 12.0;
 /// Points of one camera in one panel.
 const MAX_POINTS: usize = 7000;
+/// Lifted points in one panel.
+const MAX_LIFTED_POINTS: usize = 20_000;
 /// Points of one camera in one frame that decide the view.
 const MAX_VIEW_POINTS: usize = 300;
 /// Smallest distance between lines on the ground [m].
@@ -103,6 +105,7 @@ fn dots_of_points(sequence: &Sequence, colors: &[Point], frame: usize) -> Vec<Do
         None => super::ACCENT,
     };
     let points = sequence.points_at(frame).iter().zip(sequence.visible_at(frame)).enumerate();
+    let points = points.step_by(sequence.points_at(frame).len().div_ceil(MAX_LIFTED_POINTS).max(1));
     let mut dots: Vec<Dot> = points
         .filter(|(_, (p, seen))| **seen && p.iter().all(|x| x.is_finite()))
         .map(|(i, (p, _))| Dot { at: *p, color: shade(i), radius: 2.4 })

@@ -15,6 +15,10 @@ use crate::{
     vector::{Vector, add, distance, scaled, sub},
 };
 
+/// Longest shift that is looked for [frames]: that of the usual frame rates. Each takes a pass over all
+/// frames, and a rate that nobody records would make them as many as the frames.
+const LONGEST_SHIFT: f64 = 512.0;
+
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let recording = context.recording;
     let n = recording.cameras.len().min(COMPARED_CAMERAS);
@@ -232,7 +236,7 @@ fn shift(
 ) -> Option<Shift> {
     let limits = &context.thresholds.skew;
     let longest = limits.max_skew_share * between.len() as f64;
-    let window = (limits.max_skew_s * context.recording.fps).min(longest) as i64;
+    let window = (limits.max_skew_s * context.recording.fps).min(longest).min(LONGEST_SHIFT) as i64;
     let things: Vec<(&Path, &Path)> = [&filled.manipulator, &filled.object]
         .into_iter()
         .filter_map(|all| Some((all.get(a)?, all.get(b)?)))

@@ -16,9 +16,10 @@ use crate::{
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let same = repeats(context.scans);
+    let pauses = pauses(&same, context.thresholds.timing.min_pause_frames);
     for (index, scan) in context.scans.iter().enumerate() {
         missing(context, index, scan, assessment);
-        repeated(context, index, &same, assessment);
+        repeated(context, index, &same, &pauses, assessment);
         frozen_depth(context, index, scan, assessment);
         frozen_color(context, index, scan, assessment);
     }
@@ -36,7 +37,7 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     let rhythm = slower(context, index, scan, assessment);
     let is_due = |frame: &usize| rhythm.as_ref().is_none_or(|rhythm| rhythm.is_due(*frame));
     // Files that exist but are damaged have a separate finding.
-    let damaged = |frame: &usize| scan.damaged_frames.contains(frame);
+    let damaged = |frame: &usize| scan.is_damaged(*frame);
     let frames: Vec<usize> = missing.iter().copied().filter(|f| is_due(f) && !damaged(f)).collect();
     let all = scan.frames.len();
     if let Some(finding) = closed_up::judge(context, index) {
@@ -118,34 +119,39 @@ fn repeats(scans: &[CameraScan]) -> Vec<Vec<Option<bool>>> {
     scans.iter().map(one).collect()
 }
 
-/// True for a pause: a still scene without noise looks like repeated frames in all cameras, but
-/// counts as a pause if it lasts or if it is the beginning or the end. A camera without images there
-/// says nothing.
-fn is_pause(same: &[Vec<Option<bool>>], frame: usize, min_pause_frames: usize) -> bool {
+/// True for each frame in a pause: a still scene without noise looks like repeated frames in all
+/// cameras, but counts as a pause if it lasts or if it is the beginning or the end. A camera without
+/// images there says nothing.
+fn pauses(same: &[Vec<Option<bool>>], min_pause_frames: usize) -> Vec<bool> {
     let frames = same.iter().map(Vec::len).max().unwrap_or(0);
-    let all = |f: usize| same.iter().all(|camera| camera.get(f).is_some_and(|s| *s != Some(false)));
-    if !all(frame) {
-        return false;
+    let is_still =
+        |f: usize| same.iter().all(|camera| camera.get(f).is_some_and(|s| *s != Some(false)));
+    let still: Vec<bool> = (0..frames).map(is_still).collect();
+    let mut first = 0;
+    let mut pauses = Vec::with_capacity(frames);
+    for run in still.chunk_by(|a, b| a == b) {
+        let end = first + run.len();
+        let is_pause = run[0] && (first <= 1 || end == frames || run.len() >= min_pause_frames);
+        pauses.extend(std::iter::repeat_n(is_pause, run.len()));
+        first = end;
     }
-    let first = (0..=frame).rev().take_while(|f| all(*f)).last().unwrap_or(frame);
-    let last = (frame..frames).take_while(|f| all(*f)).last().unwrap_or(frame);
-    first <= 1 || last + 1 == frames || last - first + 1 >= min_pause_frames
+    pauses
 }
 
 fn repeated(
     context: &Context<'_>,
     index: usize,
     same: &[Vec<Option<bool>>],
+    pauses: &[bool],
     assessment: &mut Assessment,
 ) {
     let limits = &context.thresholds.timing;
     let Some(own) = same.get(index) else { return };
     let frames: Vec<usize> = own
         .iter()
+        .zip(pauses)
         .enumerate()
-        .filter(|(f, repeats)| {
-            **repeats == Some(true) && !is_pause(same, *f, limits.min_pause_frames)
-        })
+        .filter(|(_, (repeats, is_pause))| **repeats == Some(true) && !**is_pause)
         .map(|(f, _)| f)
         .collect();
     if frames.len() > limits.max_repeats {
@@ -335,3 +341,6 @@ fn skew_by_times(context: &Context<'_>, assessment: &mut Assessment) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

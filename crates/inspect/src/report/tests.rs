@@ -129,3 +129,19 @@ fn what_was_read_and_left_out_is_listed() {
     let document: serde_json::Value = serde_json::from_str(&report.to_json()).unwrap();
     assert_eq!(document["sources"]["left_out"][0]["from"], "/cam0/ir");
 }
+
+#[test]
+fn a_crowd_is_drawn_in_part() {
+    let mut capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
+    let drawn = |capture: &bendtwin_core::Capture| -> usize {
+        let html = Report::new(inspect_observed(capture), None).to_html();
+        let (before, _) = html.split_once(" nodes (teal").unwrap();
+        before.rsplit(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap()
+    };
+    let few = drawn(&capture);
+    assert!((10..6_000).contains(&few), "{few}");
+    let place = |i: usize| [i % 100, i / 100 % 100, i / 10_000].map(|k| 0.001 * k as f32);
+    capture.object.interior = (0..100_000).map(place).collect();
+    let many = drawn(&capture);
+    assert!((3_000..=6_000).contains(&many), "{many}");
+}

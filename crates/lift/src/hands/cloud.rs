@@ -156,7 +156,7 @@ impl Template {
         let (mut points, mut normals) = (Vec::new(), Vec::new());
         for p in &all {
             let around: Vec<Point> =
-                near.within(*p, NORMAL_RADIUS_M).into_iter().map(|(_, i)| all[i]).collect();
+                near.within(*p, NORMAL_RADIUS_M).map(|(_, i)| all[i]).collect();
             if let Some(normal) = normal(&around) {
                 points.push(*p);
                 normals.push(normal);

@@ -2,8 +2,9 @@
 //! hold nothing.
 
 use bendtwin_core::Point;
+use bendtwin_near::PointTree;
 
-use crate::{grid::Grid, rigid::distance, thin::farthest_first};
+use crate::{rigid::distance, thin::farthest_first};
 
 /// Control points this near to the object hold it: nodes are within the control radius of a fit
 /// there, though there are fewer of them than points [m].
@@ -21,21 +22,21 @@ const MOST_MEASURED: usize = 2000;
 pub(crate) struct Contact {
     /// Points of the object: its surface, and the completed ones [m].
     object: Vec<Point>,
-    grid: Grid,
+    tree: PointTree,
     /// The hands' surface, as all cameras see it [m].
     pub(super) hands: Vec<Point>,
 }
 
 impl Contact {
     pub(crate) fn new(object: Vec<Point>, hands: Vec<Point>) -> Self {
-        Self { grid: Grid::of(object.iter().copied(), REACH_M), object, hands }
+        Self { tree: PointTree::new(object.iter().copied()), object, hands }
     }
 
     /// Distance of a place from the object [m], roughly where it is out of reach; infinite if nothing
     /// is known of the object.
     fn distance_m(&self, place: Point) -> f64 {
-        let near = self.grid.within(place, REACH_M).into_iter().map(|(square, _)| square.sqrt());
-        near.reduce(f64::min).unwrap_or_else(|| {
+        let near = self.tree.within(place, REACH_M, 1);
+        near.first().map(|near| near.square.sqrt()).unwrap_or_else(|| {
             let stride = self.object.len().div_ceil(MOST_MEASURED).max(1);
             let some = self.object.iter().step_by(stride).map(|p| distance(*p, place));
             some.fold(f64::INFINITY, f64::min)

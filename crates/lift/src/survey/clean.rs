@@ -3,8 +3,9 @@
 
 use bendtwin_capture::raw::{DepthImage, Image, Intrinsics, Mask};
 use bendtwin_core::{Point, settings::ingest::MaskSettings};
+use bendtwin_near::PointTree;
 
-use crate::{evidence::MaskCounts, grid::Grid, rigid::distance};
+use crate::{evidence::MaskCounts, rigid::distance};
 
 /// Pixels of an object to which the distance of a small part is measured.
 const MAX_MEASURED_PIXELS: usize = 1500;
@@ -177,7 +178,7 @@ impl Cleaner<'_> {
         let kept: Vec<usize> = large.into_iter().flatten().collect();
         let stride = kept.len().div_ceil(MAX_MEASURED_PIXELS).max(1);
         let gap_m = self.settings.speck_gap_m;
-        let rest = Grid::of(kept.iter().step_by(stride).map(|i| self.place(*i)), gap_m);
+        let rest = PointTree::new(kept.iter().step_by(stride).map(|i| self.place(*i)));
         let far = |p: &Vec<usize>| !rest.any_within(self.place(p[p.len() / 2]), gap_m);
         let gone: Vec<usize> = small.into_iter().filter(far).flatten().collect();
         self.erase(&gone)

@@ -24,3 +24,15 @@ fn absurd_spacings_are_refused() {
         assert!(matches!(sphere(1).sample_interior(spacing), Err(Error::Spacing { .. })));
     }
 }
+
+/// Seen from between them, no layer counts as far away.
+#[test]
+fn layers_of_triangles_in_one_place_are_given_up() {
+    let mut mesh = sphere(1);
+    let most = 10_000_000;
+    assert!(!mesh.interior_within(0.1, most).unwrap().is_empty());
+    mesh.triangles = mesh.triangles.repeat(2000);
+    let error = mesh.interior_within(0.1, most).unwrap_err();
+    let all = mesh.triangles.len();
+    assert!(matches!(error, Error::Layers { triangles } if triangles == all), "{error}");
+}

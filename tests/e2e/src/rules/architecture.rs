@@ -10,7 +10,7 @@ use super::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 23] = [
+const PHYSICS: [&str; 24] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-calibrate",
@@ -27,6 +27,7 @@ const PHYSICS: [&str; 23] = [
     "bendtwin-inspect",
     "bendtwin-lift",
     "bendtwin-mesh",
+    "bendtwin-near",
     "bendtwin-picture",
     "bendtwin-register",
     "bendtwin-rollout",

@@ -2,7 +2,12 @@
 
 use std::sync::Arc;
 
-use super::{chunk::Chunk, messages::Wire, zstd};
+use super::{
+    chunk::Chunk,
+    messages::Wire,
+    open::{Closed, OpenChunks},
+    zstd,
+};
 use crate::{Error, files::Section};
 
 /// Place of a message's content.
@@ -58,16 +63,16 @@ impl Part {
     }
 }
 
-/// The files, and the compressed chunk that was last looked into. Clones read side by side.
+/// The files, and compressed chunks that were looked into. Clones read side by side.
 #[derive(Clone, Debug)]
 pub(super) struct Store {
     parts: Arc<Vec<Part>>,
-    open: Option<(u32, Vec<u8>)>,
+    open: OpenChunks,
 }
 
 impl Store {
     pub(super) fn new(parts: Vec<Part>) -> Self {
-        Self { parts: Arc::new(parts), open: None }
+        Self { parts: Arc::new(parts), open: OpenChunks::default() }
     }
 
     /// Name of the first file, for messages.
@@ -97,9 +102,11 @@ impl Store {
     }
 
     fn part(&self, number: u32) -> Result<&Part, Error> {
-        let missing =
-            || Error::Damaged { at: self.name().to_owned(), fault: "a file is missing".to_owned() };
-        self.parts.get(number as usize).ok_or_else(missing)
+        self.parts.get(number as usize).ok_or_else(|| self.missing())
+    }
+
+    fn missing(&self) -> Error {
+        Error::Damaged { at: self.name().to_owned(), fault: "a file is missing".to_owned() }
     }
 
     fn message(&mut self, place: &Place, chunks: &[Chunk], cap: u64) -> Result<Vec<u8>, Error> {
@@ -110,22 +117,23 @@ impl Store {
             return Err(Error::TooLarge { what, bytes: length, limit: cap });
         }
         let Some(number) = chunk else { return part.read(start, length) };
-        if self.open.as_ref().is_none_or(|(open, _)| *open != number) {
-            // The old one goes before the new one comes.
-            self.open = None;
-            let part = self.part(place.part)?;
-            let chunk = chunks.get(number as usize);
-            let chunk = chunk.ok_or_else(|| part.damaged("a message lies in no chunk"))?;
-            let records = part.unpack(chunk)?;
-            self.open = Some((number, records));
-        }
-        let bytes = self.open.as_ref().and_then(|(_, bytes)| {
-            let from = usize::try_from(start).ok()?;
-            bytes.get(from..from.checked_add(usize::try_from(length).ok()?)?)
-        });
-        match bytes {
+        let parts = Arc::clone(&self.parts);
+        let part = parts.get(place.part as usize);
+        let part = part.ok_or_else(|| self.missing())?;
+        let records = self.open.get(number, chunks, |chunk| part.unpack(chunk));
+        let records = records.map_err(|closed| match closed {
+            Closed::Missing => part.damaged("a message lies in no chunk"),
+            Closed::Scattered => part.damaged(
+                "its messages are scattered over compressed chunks, which have to be unpacked again and again: write \
+                 it anew in the order of time, for example with `mcap sort`",
+            ),
+            Closed::Failed(error) => error,
+        })?;
+        let end = start.checked_add(length).and_then(|end| usize::try_from(end).ok());
+        let message = usize::try_from(start).ok().zip(end);
+        match message.and_then(|(from, end)| records.get(from..end)) {
             Some(bytes) => Ok(bytes.to_vec()),
-            None => Err(self.part(place.part)?.damaged("a message lies outside its chunk")),
+            None => Err(part.damaged("a message lies outside its chunk")),
         }
     }
 }

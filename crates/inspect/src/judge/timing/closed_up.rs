@@ -37,7 +37,7 @@ fn present(scan: &CameraScan) -> impl Iterator<Item = usize> {
     let frames = scan.frames.iter().enumerate();
     let is_there = |(frame, g): (usize, &FrameStats)| {
         let whole = g.color.is_some() && g.depth.is_some();
-        (whole || scan.damaged_frames.contains(&frame)).then_some(frame)
+        (whole || scan.is_damaged(frame)).then_some(frame)
     };
     frames.filter_map(is_there)
 }

@@ -5,11 +5,12 @@
 //! empty: like a rope's end in a fist. The part on the other side meets it halfway.
 
 use bendtwin_core::{CancelToken, Point};
+use bendtwin_near::PointTree;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::volume::Volume;
-use crate::{Error, error::check, grid::Grid, rigid::vector};
+use crate::{Error, error::check, rigid::vector};
 
 /// Hand points this near to a section are those that hold it [m].
 const HOLDS_M: f64 = 0.04;
@@ -17,6 +18,8 @@ const HOLDS_M: f64 = 0.04;
 const LEAST_CELLS: usize = 4;
 /// Most sections, the largest: a few hands hold with two each.
 const MOST_SECTIONS: usize = 8;
+/// Most steps of the way back from a hidden cell: those of a metre in cells of a few millimetres.
+const MOST_STEPS: usize = 400;
 
 /// Makes hidden cells solid where a hand holds the object; returns how many those are.
 pub(super) fn fill(
@@ -31,14 +34,14 @@ pub(super) fn fill(
     for section in sections(volume, solid, hidden) {
         check(cancel)?;
         let centres: Vec<Point> = section.iter().map(|i| volume.centre(*i)).collect();
-        let near = Grid::of(centres.iter().copied(), HOLDS_M);
+        let near = PointTree::new(centres.iter().copied());
         let holding: Vec<Point> =
             hands.iter().copied().filter(|p| near.any_within(*p, HOLDS_M)).collect();
         if holding.is_empty() {
             continue;
         }
         let way = middle(&holding) - middle(&centres);
-        let steps = (2.0 * way.norm() / volume.cell_m).ceil() as usize;
+        let steps = ((2.0 * way.norm() / volume.cell_m).ceil() as usize).min(MOST_STEPS);
         let mut is_section = vec![false; solid.len()];
         section.iter().for_each(|i| is_section[*i] = true);
         // True if the way back from a cell, through hidden ones, ends in the section.

@@ -7,6 +7,9 @@ use super::Tree;
 
 /// Frames above one that are looked at: trees of robots have a hundred.
 const MAX_ABOVE: usize = 1000;
+/// Parents of a frame of which one is chosen, and frames with several.
+const MAX_PARENTS: usize = 16;
+const MAX_UNCLEAR: usize = 64;
 
 /// The parent that counts of a frame with several.
 #[derive(Debug, PartialEq)]
@@ -55,9 +58,13 @@ impl Tree {
             (None, _) => BTreeSet::new(),
         };
         let mut choices = Vec::new();
-        for child in unclear {
-            let parents: Vec<String> =
-                self.edges.get(&child).into_iter().flatten().map(|(p, _)| p.clone()).collect();
+        for (nth, child) in unclear.into_iter().enumerate() {
+            let parents = self.edges.get(&child).into_iter().flatten().map(|(p, _)| p.clone());
+            let parents: Vec<String> = parents.take(MAX_PARENTS + 1).collect();
+            // Each parent is followed to the world, so their number is bounded.
+            if parents.len() > MAX_PARENTS || nth >= MAX_UNCLEAR {
+                return Err(Unclear { child, parents });
+            }
             let mut leading: Vec<(usize, &String)> = Vec::new();
             for parent in &parents {
                 let distances = self.distances(parent);
@@ -143,6 +150,18 @@ mod tests {
         // Both lead there: the calibration of the frame itself is more specific than the mount.
         let mounted = edges(&[("world", "link", true), ("world", "optical", true)]);
         assert_eq!(parent(&mounted, &["optical"]).unwrap(), "world");
+    }
+
+    #[test]
+    fn of_very_many_parents_none_is_chosen() {
+        let mut many = Tree::default();
+        let names: Vec<String> = (0..100_000).map(|i| format!("frame {i}")).collect();
+        for parent in &names {
+            let [parent, child] = [parent.clone(), "optical".to_owned()];
+            many.add(Transform { parent, child, ..Transform::default() }, true).unwrap();
+        }
+        let unclear = many.settle_parents(&["optical"], None).unwrap_err();
+        assert_eq!((unclear.child.as_str(), unclear.parents.len()), ("optical", MAX_PARENTS + 1));
     }
 
     #[test]
