@@ -65,6 +65,10 @@ pub(crate) struct Worker {
     /// Time limit of that process, plus a second for each MiB of the capture [s]
     #[arg(long, env = "BENDTWIN_INGEST_TIMEOUT_S", value_name = "S", default_value_t = Limits::default().ingest_time.as_secs())]
     ingest_timeout_s: u64,
+    /// Time of a second such process for captures that come while another one is being read; those that take
+    /// longer wait for the first [s]
+    #[arg(long, env = "BENDTWIN_INGEST_BRIEF_S", value_name = "S", default_value_t = Limits::default().brief_time.as_secs())]
+    ingest_brief_s: u64,
     /// Confinement of that process: `required` reads nothing on systems without Landlock and
     /// seccomp, `best-effort` uses what the system supports
     #[arg(
@@ -213,6 +217,7 @@ impl Worker {
             fit_share: self.fit_share,
             limits: Limits {
                 ingest_time: Duration::from_secs(self.ingest_timeout_s),
+                brief_time: Duration::from_secs(self.ingest_brief_s),
                 ingest_bytes: bytes(self.ingest_memory_mib),
                 capture_bytes: bytes(self.capture_memory_mib),
                 fit_bytes,

@@ -1,13 +1,14 @@
 """Uploads through a proxy that passes a path on as another one."""
 
 import threading
+import zipfile
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
 from bendtwin import BendTwinError
 from bendtwin.captures import uploads
-from bendtwin.captures.archive import archive_of
+from bendtwin.captures.archive import archive_of, masks_of
 
 CAPTURE = "captures/0190a000-0000-7000-8000-000000000001"
 
@@ -78,5 +79,28 @@ def test_links_are_left_out_and_named(tmp_path):
     (folder / "metadata.json").write_text("{}")
     (tmp_path / "secret").write_text("x")
     (folder / "color.png").symlink_to(tmp_path / "secret")
-    with pytest.warns(UserWarning, match=r"1 links .* \(color.png\)"), archive_of(folder):
+    (tmp_path / "private").mkdir()
+    (tmp_path / "private" / "key.png").write_text("x")
+    (folder / "depth").symlink_to(tmp_path / "private")
+    with (
+        pytest.warns(UserWarning, match=r"2 links .* \(color.png\)"),
+        archive_of(folder) as packed,
+        zipfile.ZipFile(packed) as archive,
+    ):
+        assert archive.namelist() == ["metadata.json"]
+
+
+def test_masks_behind_a_link_out_of_the_folder_are_refused(tmp_path):
+    folder = tmp_path / "toy"
+    private = tmp_path / "private"
+    for made in (folder, private, folder / "made"):
+        made.mkdir()
+    (private / "key").write_text("secret")
+    (folder / "made" / "0.png").write_text("png")
+    (folder / "mask").symlink_to(private)
+    with pytest.raises(ValueError, match="leads out of"), masks_of(folder):
         pass
+    (folder / "mask").unlink()
+    (folder / "mask").symlink_to(folder / "made")
+    with masks_of(folder) as packed, zipfile.ZipFile(packed) as archive:
+        assert archive.namelist() == ["mask/0.png"]

@@ -96,6 +96,13 @@ impl Listing {
     pub(super) fn of_masks(root: &Path) -> anyhow::Result<Self> {
         let inside = root.join("mask");
         let listing = Self::of(if inside.is_dir() { &inside } else { root })?;
+        if !listing.root.starts_with(root.canonicalize()?) {
+            bail!(Usage::error(format!(
+                "{} is a link that leads out of {}, and links are not followed: name the folder with the masks itself",
+                inside.display(),
+                root.display(),
+            )));
+        }
         Ok(Self { name: "mask".to_owned(), ..listing })
     }
 
@@ -281,6 +288,30 @@ mod tests {
             text.contains("of its files are behind links") && text.contains("color/1/"),
             "{text}"
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn masks_behind_a_link_out_of_the_folder_are_refused() {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir().unwrap();
+        let (case, private) = (root.path().join("toy"), root.path().join("private"));
+        for folder in [&case, &private] {
+            std::fs::create_dir(folder).unwrap();
+        }
+        std::fs::write(private.join("key"), "secret").unwrap();
+        symlink(&private, case.join("mask")).unwrap();
+        let error = Listing::of_masks(&case).err().unwrap();
+        assert!(error.is::<Usage>() && error.to_string().contains("leads out of"), "{error}");
+        // Inside the folder a link is another name, and the folder that is named may be one itself.
+        std::fs::remove_file(case.join("mask")).unwrap();
+        std::fs::create_dir(case.join("made")).unwrap();
+        std::fs::write(case.join("made/0.png"), "png").unwrap();
+        symlink(case.join("made"), case.join("mask")).unwrap();
+        symlink(&case, root.path().join("other")).unwrap();
+        for folder in [case, root.path().join("other")] {
+            assert_eq!(Listing::of_masks(&folder).unwrap().len(), 1);
+        }
     }
 
     /// Unread files are most of the folder of a PhysTwin case: here 8 MiB of 8.

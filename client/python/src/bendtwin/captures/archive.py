@@ -48,6 +48,11 @@ def masks_of(path: Path) -> Iterator[Path]:
         yield path
         return
     root = path / "mask" if (path / "mask").is_dir() else path
+    if not root.resolve().is_relative_to(path.resolve()):
+        raise ValueError(
+            f"{root} is a link that leads out of {path}, and links are not followed: "
+            "name the folder with the masks itself"
+        )
     files = sorted(p for p in root.rglob("*") if _is_packed(p, root))
     if not files:
         raise FileNotFoundError(f"there are no masks in {path}")
@@ -95,7 +100,9 @@ def _parts_of(path: Path) -> list[tuple[str, Path]] | None:
 
 def _is_packed(file: Path, root: Path) -> bool:
     hidden = any(part.startswith(".") for part in file.relative_to(root).parts)
-    return file.is_file() and not file.is_symlink() and not hidden
+    # Also of folders: what is behind a link may be no part of the recording.
+    within = file.resolve() == root.resolve() / file.relative_to(root)
+    return file.is_file() and within and not hidden
 
 
 def chunks_of(content: Path | bytes) -> Iterator[bytes]:
