@@ -6,6 +6,10 @@
 //!   server ◄── lease, progress, checkpoints, result ──► worker ◄── lines, files ──► child
 //! ```
 //!
+//! A worker has two seats for them. The first takes any ingest. The second is open while the first is taken, and
+//! takes those that are not known to take long, for a few seconds each: what takes longer is handed back, and
+//! waits for a first seat. So a small capture waits seconds for a long one, and not its end.
+//!
 //! [`protocol`] defines the messages between the two, `child` is the worker's side, `process` the
 //! child's with its [`sandbox`], and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the
 //! server.
@@ -21,6 +25,7 @@ use std::{io, path::PathBuf, time::Duration};
 use bendtwin_core::{Category, Fault, Problem as _, settings::ingest::IngestSettings};
 use bendtwin_proto::worker::v1::lease_job_request::Kind;
 use tempfile::{NamedTempFile, TempDir};
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use self::{
@@ -36,12 +41,18 @@ pub use self::{
 use crate::{
     job::{Attempt, LeasedJob, stop::Reason},
     leasing::Execute,
+    options::LEAST_INGEST_BYTES,
 };
 
 /// Bytes of input for which the child gets another second.
 const BYTES_PER_SECOND: u64 = 1 << 20;
 
-/// Executor of ingest jobs.
+/// Part of the memory of a reader that one in the second seat may take.
+const BRIEF_MEMORY_SHARE: u64 = 4;
+/// Longest wait for a brief job in one call: afterwards the first seat may be free.
+const BRIEF_WAIT: Duration = Duration::from_secs(2);
+
+/// Executor of ingest jobs in the first seat.
 #[derive(Clone)]
 pub(crate) struct Ingests {
     /// Folder for captures while they are read.
@@ -56,43 +67,107 @@ pub(crate) struct Ingests {
     pub(crate) sandbox: Sandbox,
     /// Time for which a result is kept while the server cannot be reached.
     pub(crate) delivery_timeout: Duration,
+    /// True while a job is executed.
+    pub(crate) taken: watch::Sender<bool>,
+}
+
+/// Executor of ingest jobs in the second seat.
+pub(crate) struct BriefIngests {
+    /// The executor in the first seat.
+    pub(crate) first: Ingests,
+    /// Time that a job may take.
+    pub(crate) time: Duration,
 }
 
 impl Execute for Ingests {
     const KIND: Kind = Kind::Ingest;
 
     async fn execute(&self, job: LeasedJob, drain: &CancellationToken) {
-        tracing::info!(resumed = job.has_checkpoint(), "ingest leased");
+        self.taken.send_replace(true);
+        let _taken = Taken(&self.taken);
+        self.run(job, drain, None).await;
+    }
+}
+
+/// The first seat, which is free when this is dropped.
+struct Taken<'a>(&'a watch::Sender<bool>);
+
+impl Drop for Taken<'_> {
+    fn drop(&mut self) {
+        self.0.send_replace(false);
+    }
+}
+
+impl Execute for BriefIngests {
+    const KIND: Kind = Kind::Ingest;
+    const BRIEF: bool = true;
+    const WAIT: Duration = BRIEF_WAIT;
+
+    async fn until_open(&self) {
+        // The sender is here as well, so it is not gone.
+        let _ = self.first.taken.subscribe().wait_for(|taken| *taken).await;
+    }
+
+    async fn execute(&self, job: LeasedJob, drain: &CancellationToken) {
+        // A server of an older version leases any job, and takes none back as outgrown.
+        let longest = job.is_brief().then_some(self.time);
+        self.first.run(job, drain, longest).await;
+    }
+}
+
+impl Ingests {
+    /// Works on a job until it has ended, here or elsewhere; on a brief one for a limited time and with less
+    /// memory.
+    async fn run(&self, job: LeasedJob, drain: &CancellationToken, longest: Option<Duration>) {
+        tracing::info!(resumed = job.has_checkpoint(), brief = longest.is_some(), "ingest leased");
         let mut attempt = Attempt::begin(job, drain, self.delivery_timeout);
+        let memory_bytes = match longest {
+            Some(_) => self.memory_bytes / BRIEF_MEMORY_SHARE,
+            None => self.memory_bytes,
+        };
+        let memory_bytes = memory_bytes.max(LEAST_INGEST_BYTES);
         let work = async {
-            let (folder, time) = self.prepare(&attempt.job).await?;
+            let (folder, time) = self.prepare(&attempt.job, memory_bytes).await?;
             let child = Child { program: &self.program, folder: folder.path(), time };
             let ended = child.run(&attempt.progress, &attempt.checkpoints).await?;
             Ok::<_, Fault>((folder, ended))
         };
+        let outgrown = async {
+            match longest {
+                Some(longest) => tokio::time::sleep(longest).await,
+                None => std::future::pending().await,
+            }
+        };
         let outcome = tokio::select! {
-            outcome = work => outcome,
+            outcome = work => outcome.map(Some),
             // Dropping the work kills the child.
             () = attempt.stop.stopped() => Err(stopped()),
+            () = outgrown => Ok(None),
         };
         match (outcome, attempt.stop.reason()) {
             (_, Some(Reason::Stale)) => {
                 tracing::warn!("the job is gone, or another worker has it");
             }
             (Err(fault), _) => attempt.fail_unfinished("ingest", fault).await,
+            (Ok(None), _) => attempt.hand_on(stopped()).await,
+            (Ok(Some((_, ended))), None) if longest.is_some() && ended.may_lack_memory() => {
+                attempt.hand_on(stopped()).await;
+            }
             // A finished result is delivered even if the job was asked to stop meanwhile.
-            (Ok((folder, ended)), _) => {
+            (Ok(Some((folder, ended))), _) => {
                 attempt.drop_checkpoint();
                 deliver::deliver(&attempt, folder.path(), ended).await;
             }
         }
     }
-}
 
-impl Ingests {
     /// Prepares a folder for the child: archive, supplements, earlier masks, checkpoint and request.
     /// Also returns the time that the child may take.
-    async fn prepare(&self, job: &LeasedJob) -> Result<(TempDir, Duration), Fault> {
+    async fn prepare(
+        &self,
+        job: &LeasedJob,
+        memory_bytes: u64,
+    ) -> Result<(TempDir, Duration), Fault> {
         let disk = |source: std::io::Error| Fault {
             category: Category::ResourceExhausted,
             reason: "NO_DISK_SPACE".to_owned(),
@@ -125,10 +200,10 @@ impl Ingests {
             name: job.capture_display_name().to_owned(),
             settings: job.settings_json().to_owned(),
             resources: Resources {
-                memory_bytes: self.memory_bytes,
+                memory_bytes,
                 // More than that passes only if the worker did not end it in time.
                 processor_s: time.as_secs().saturating_mul(child::threads() as u64),
-                file_bytes: self.memory_bytes.saturating_mul(2),
+                file_bytes: memory_bytes.saturating_mul(2),
             },
             sandbox: self.sandbox,
         };

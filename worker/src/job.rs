@@ -61,6 +61,11 @@ impl LeasedJob {
         &self.lease.capture_display_name
     }
 
+    /// True if it was leased as a brief job.
+    pub(crate) fn is_brief(&self) -> bool {
+        self.lease.brief
+    }
+
     /// Settings of the job, as JSON.
     pub(crate) fn settings_json(&self) -> &str {
         &self.lease.settings_json
@@ -181,6 +186,7 @@ impl From<Failure> for End {
             Failure::Passing => Self::Failed,
             Failure::Cancelled => Self::Cancelled,
             Failure::Released => Self::Released,
+            Failure::Outgrown => Self::Outgrown,
             Failure::Interrupted => Self::Interrupted,
         }
     }

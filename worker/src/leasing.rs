@@ -48,6 +48,15 @@ impl StopSignals {
 pub(crate) trait Execute: Send + Sync {
     /// The kind of jobs.
     const KIND: Kind;
+    /// True if brief jobs alone are leased, which heartbeats do not name.
+    const BRIEF: bool = false;
+    /// Longest time for which the server may hold a call for a job.
+    const WAIT: Duration = LEASE_WAIT;
+
+    /// Waits until a job may be leased.
+    fn until_open(&self) -> impl Future<Output = ()> + Send {
+        std::future::ready(())
+    }
 
     /// Works on a job until it has ended, here or elsewhere. `drain` asks to hand it back.
     fn execute(&self, job: LeasedJob, drain: &CancellationToken)
@@ -65,8 +74,12 @@ pub(crate) async fn lease<E: Execute>(
 ) -> Result<(), Error> {
     let mut backoff = Backoff::default();
     while !stop.closed.is_cancelled() {
+        let lease = async {
+            executor.until_open().await;
+            registration.lease_job(E::KIND, E::WAIT, E::BRIEF).await
+        };
         let leased = tokio::select! {
-            leased = registration.lease_job(E::KIND, LEASE_WAIT) => leased,
+            leased = lease => leased,
             () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {
@@ -74,7 +87,7 @@ pub(crate) async fn lease<E: Execute>(
             Ok(Offer::Nothing) => backoff = Backoff::default(),
             Ok(Offer::Job(job)) => {
                 backoff = Backoff::default();
-                let _at_work = registration.at_work(E::KIND, &job);
+                let _at_work = (!E::BRIEF).then(|| registration.at_work(E::KIND, &job));
                 let span = job.span(E::KIND);
                 executor.execute(job, &stop.drained).instrument(span).await;
             }

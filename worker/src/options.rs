@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
-const LEAST_INGEST_BYTES: u64 = 64 << 20;
+pub(crate) const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
 /// Least memory of a worker [bytes].
 const LEAST_BYTES: u64 = 128 << 20;
@@ -86,6 +86,9 @@ pub struct Limits {
     pub ingest_bytes: u64,
     /// Time of that process; it gets another second for each MiB of the archive.
     pub ingest_time: Duration,
+    /// Time of a second such process, which reads captures while another one is being read; those that take
+    /// longer wait for the first.
+    pub brief_time: Duration,
     /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
     /// Memory that a fit may take, its capture included [bytes, estimated].
@@ -105,6 +108,7 @@ impl Default for Limits {
         Self {
             ingest_bytes: 1500 << 20,
             ingest_time: Duration::from_secs(600),
+            brief_time: Duration::from_secs(4),
             capture_bytes: 2 << 30,
             fit_bytes: crate::budget::default_bytes() / 2,
             twin_bytes: 512 << 20,
@@ -166,6 +170,8 @@ impl Options {
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
         } else if self.limits.ingest_time.is_zero() {
             Some("--ingest-timeout-s is 0: give at least 1".to_owned())
+        } else if self.limits.brief_time.is_zero() {
+            Some("--ingest-brief-s is 0: give at least 1".to_owned())
         } else if self.ingest_sandbox == Sandbox::Required && !available().suffices() {
             let lacking = available().lacking().unwrap_or_default();
             Some(format!(

@@ -89,11 +89,16 @@ impl Registration {
         }
     }
 
-    /// Waits for a job of a kind.
-    pub(crate) async fn lease_job(&self, kind: Kind, wait: Duration) -> Result<Offer, CallError> {
+    /// Waits for a job of a kind, or for a brief one.
+    pub(crate) async fn lease_job(
+        &self,
+        kind: Kind,
+        wait: Duration,
+        brief: bool,
+    ) -> Result<Offer, CallError> {
         let worker = &self.request.worker;
         let LeaseJobResponse { lease, drain } =
-            self.server.lease_job(kind, worker.clone(), wait).await?;
+            self.server.lease_job(kind, worker.clone(), wait, brief).await?;
         Ok(match lease {
             _ if drain => Offer::Drain,
             Some(lease) => Offer::Job(LeasedJob::new(self.server.clone(), worker, lease)),

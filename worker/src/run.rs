@@ -11,7 +11,11 @@ use bendtwin_contract::worker_key;
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::worker::v1::RegisterRequest;
 use bendtwin_tls::{Mutual, Reloaded};
-use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
+use tokio::{
+    net::TcpListener,
+    sync::{mpsc, watch},
+    task::JoinHandle,
+};
 use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
@@ -20,7 +24,7 @@ use crate::{
     budget::Memory,
     device::Device,
     fit::Fits,
-    ingest::Ingests,
+    ingest::{BriefIngests, Ingests},
     leasing::{self, StopSignals},
     registration::Registration,
     rollout::{self, Replays, Rollouts, WarmTwins},
@@ -167,7 +171,9 @@ impl ServingWorker {
             time: limits.ingest_time,
             sandbox: options.ingest_sandbox,
             delivery_timeout: options.delivery_timeout,
+            taken: watch::Sender::new(false),
         };
+        let brief = BriefIngests { first: ingests.clone(), time: limits.brief_time };
         let (leases, stop, registration) = (options.fits, stop.clone(), self.registration.clone());
         async move {
             if !leases {
@@ -176,7 +182,8 @@ impl ServingWorker {
             // Side by side: the report of an uploaded capture should not wait for the fits of others.
             tokio::try_join!(
                 leasing::lease(&fits, &registration, &stop),
-                leasing::lease(&ingests, &registration, &stop)
+                leasing::lease(&ingests, &registration, &stop),
+                leasing::lease(&brief, &registration, &stop)
             )
             .map(drop)
         }

@@ -123,14 +123,17 @@ impl ServerClient {
             .await
     }
 
-    /// Waits for a job of a kind; `None` without a job in time, or if the worker is to end.
+    /// Waits for a job of a kind, or for a brief one; `None` without a job in time, or if the worker is to
+    /// end.
     pub(crate) async fn lease_job(
         &self,
         kind: Kind,
         worker: String,
         wait: Duration,
+        brief: bool,
     ) -> Result<LeaseJobResponse, CallError> {
-        let request = LeaseJobRequest { worker, wait_s: wait.as_secs_f64(), kind: kind.into() };
+        let wait_s = wait.as_secs_f64();
+        let request = LeaseJobRequest { worker, wait_s, kind: kind.into(), brief };
         let call = || within(request.clone(), wait + CALL_TIMEOUT);
         self.links
             .call(|mut link| {

@@ -199,6 +199,10 @@ pub struct LeaseJobRequest {
     pub wait_s: f64,
     #[prost(enumeration = "lease_job_request::Kind", tag = "3")]
     pub kind: i32,
+    /// Only ingests that are not known to take long: for the seat of a worker that reads captures while
+    /// another one is being read.
+    #[prost(bool, tag = "4")]
+    pub brief: bool,
 }
 /// Nested message and enum types in `LeaseJobRequest`.
 pub mod lease_job_request {
@@ -287,6 +291,9 @@ pub struct Lease {
     /// BLAKE3 of the masks that the ingest before made of strokes; empty for fits, and without such masks.
     #[prost(string, tag = "13")]
     pub masks_digest: ::prost::alloc::string::String,
+    /// True if the worker asked for a brief ingest: it ends within seconds, or is handed back as OUTGROWN.
+    #[prost(bool, tag = "14")]
+    pub brief: bool,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct LeasedSupplement {
@@ -487,6 +494,9 @@ pub mod fail_job_request {
         /// Other work of the worker, which has to exit, broke something that the job needs: the job is requeued.
         /// This counts as an attempt only if the last twenty attempts ended so.
         Interrupted = 5,
+        /// An ingest that was leased as brief takes longer: it is requeued without counting an attempt, and leased
+        /// as brief no more.
+        Outgrown = 6,
     }
     impl End {
         /// String value of the enum field names used in the ProtoBuf definition.
@@ -501,6 +511,7 @@ pub mod fail_job_request {
                 Self::Cancelled => "CANCELLED",
                 Self::Released => "RELEASED",
                 Self::Interrupted => "INTERRUPTED",
+                Self::Outgrown => "OUTGROWN",
             }
         }
         /// Creates an enum from field names used in the ProtoBuf definition.
@@ -512,6 +523,7 @@ pub mod fail_job_request {
                 "CANCELLED" => Some(Self::Cancelled),
                 "RELEASED" => Some(Self::Released),
                 "INTERRUPTED" => Some(Self::Interrupted),
+                "OUTGROWN" => Some(Self::Outgrown),
                 _ => None,
             }
         }

@@ -108,16 +108,18 @@ pub(crate) enum Offer {
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 impl App {
-    /// Waits for a job of a kind and leases it.
+    /// Waits for a job of a kind, or for a brief one, and leases it.
     pub(crate) async fn lease_job(
         &self,
         kind: Kind,
         worker: WorkerId,
         wait: Duration,
+        brief: bool,
     ) -> Result<Offer> {
         self.require_known(worker).await?;
         let jobs = self.store.jobs();
-        let claimant = self.claimant(worker);
+        let mut claimant = self.claimant(worker);
+        claimant.capabilities.brief = brief;
         let wait = wait.min(LONGEST_WAIT);
         let claimed = jobs.claim_within(kind, claimant, self.options.lease(), wait);
         let draining = self.dispatch.draining(worker);

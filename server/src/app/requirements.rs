@@ -15,7 +15,7 @@ const LABEL_LENGTH: usize = 50;
 /// Requirements as a message states them; absent means any worker.
 pub(crate) fn of(wire: Option<WorkerRequirements>) -> Requirements {
     let WorkerRequirements { backend, memory_bytes, labels } = wire.unwrap_or_default();
-    Requirements { backend, memory_bytes, labels, version: None }
+    Requirements { backend, memory_bytes, labels, ..Requirements::default() }
 }
 
 /// Refuses what no worker could have.

@@ -382,6 +382,7 @@ impl Entry {
             memory_bytes: if self.is_cpu() { live.fit_bytes } else { of_device },
             labels: worker.labels.clone(),
             version: version(&worker.build),
+            brief: false,
         }
     }
 

@@ -65,9 +65,9 @@ pub(crate) fn fit(mut fit: Job) -> v1::Fit {
 }
 
 fn requirements(of_job: Requirements) -> Option<v1::WorkerRequirements> {
-    let any = of_job == Requirements::default();
-    // The version follows from the settings.
-    let Requirements { backend, memory_bytes, labels, version: _ } = of_job;
+    // The version follows from the settings, and `long` from attempts.
+    let any = Requirements { long: false, ..of_job.clone() } == Requirements::default();
+    let Requirements { backend, memory_bytes, labels, version: _, long: _ } = of_job;
     (!any).then_some(v1::WorkerRequirements { backend, memory_bytes, labels })
 }
 

@@ -37,7 +37,7 @@ fn lease_of(shown: &Credentials, write: &JobWrite) -> app::Result<Lease> {
     lease(shown, &write.worker, &write.job, write.epoch)
 }
 
-fn lease_message(leased: LeasedJob) -> LeaseMessage {
+fn lease_message(leased: LeasedJob, brief: bool) -> LeaseMessage {
     let LeasedJob { job, capture, observation, supplements, masks } = leased;
     let supplement = |supplement: Supplement| LeasedSupplement {
         kind: supplement.kind.to_string(),
@@ -57,6 +57,7 @@ fn lease_message(leased: LeasedJob) -> LeaseMessage {
         observation_digest: observation.map(|o| o.digest.to_hex().to_string()).unwrap_or_default(),
         supplements: supplements.into_iter().map(supplement).collect(),
         masks_digest: masks.map(|d| d.to_hex().to_string()).unwrap_or_default(),
+        brief,
     }
 }
 
@@ -128,9 +129,11 @@ impl WorkerLink for Api {
                 return Err(Error::invalid("kind", "is unknown to this server").into());
             }
         };
-        Ok(Response::new(match self.app.lease_job(kind, worker, wait).await? {
+        let offer = self.app.lease_job(kind, worker, wait, r.brief).await?;
+        Ok(Response::new(match offer {
             Offer::Job(leased) => {
-                LeaseJobResponse { lease: Some(lease_message(*leased)), drain: false }
+                let lease = lease_message(*leased, r.brief);
+                LeaseJobResponse { lease: Some(lease), drain: false }
             }
             Offer::Nothing => LeaseJobResponse::default(),
             Offer::Drain => LeaseJobResponse { lease: None, drain: true },
@@ -255,6 +258,7 @@ impl WorkerLink for Api {
             End::FailedForGood => AttemptEnd::FailedForGood(fault),
             End::Failed => AttemptEnd::Failed(fault),
             End::Interrupted => AttemptEnd::Interrupted(fault),
+            End::Outgrown => AttemptEnd::Outgrown,
             End::Unspecified => {
                 return Err(Error::invalid("end", "is unknown to this server").into());
             }

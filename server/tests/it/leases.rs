@@ -194,12 +194,14 @@ async fn the_link_is_for_token_holders() {
     }
     let mut link = link(&server, &key);
     for wait_s in [-1.0, f64::NAN, f64::INFINITY] {
-        let request = LeaseJobRequest { worker: id.clone(), wait_s, kind: Kind::Fit.into() };
+        let request =
+            LeaseJobRequest { worker: id.clone(), wait_s, kind: Kind::Fit.into(), brief: false };
         assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
     }
-    let request = LeaseJobRequest { worker: id.clone(), wait_s: 0.0, kind: Kind::Fit.into() };
+    let request =
+        LeaseJobRequest { worker: id.clone(), wait_s: 0.0, kind: Kind::Fit.into(), brief: false };
     assert_eq!(reason(&link.lease_job(request).await.unwrap_err()), "WORKER_UNKNOWN");
-    let request = LeaseJobRequest { worker: id, wait_s: 0.0, kind: 7 };
+    let request = LeaseJobRequest { worker: id, wait_s: 0.0, kind: 7, brief: false };
     assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
 }
 

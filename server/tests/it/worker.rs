@@ -220,7 +220,7 @@ impl Worker {
 
     pub(crate) async fn lease_a(&mut self, kind: Kind, wait: Duration) -> Option<Lease> {
         let (worker, wait_s) = (self.id.to_string(), wait.as_secs_f64());
-        let request = LeaseJobRequest { worker, wait_s, kind: kind.into() };
+        let request = LeaseJobRequest { worker, wait_s, kind: kind.into(), brief: false };
         self.link.lease_job(request).await.unwrap().into_inner().lease
     }
 

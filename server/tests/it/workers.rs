@@ -146,8 +146,12 @@ async fn a_drained_worker_learns_of_it_and_gets_no_more_work() {
         assert_eq!((status, &drained["draining"]), (200, &json!(true)), "{drained}");
     }
     assert!(worker.heartbeat().await.unwrap().drain);
-    let asked =
-        LeaseJobRequest { worker: worker.id.to_string(), wait_s: 60.0, kind: Kind::Fit.into() };
+    let asked = LeaseJobRequest {
+        worker: worker.id.to_string(),
+        wait_s: 60.0,
+        kind: Kind::Fit.into(),
+        brief: false,
+    };
     let answer = worker.link.lease_job(asked).await.unwrap().into_inner();
     assert!(answer.drain && answer.lease.is_none(), "{answer:?}");
     let leave = LeaveRequest { worker: worker.id.to_string() };

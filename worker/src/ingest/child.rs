@@ -61,6 +61,18 @@ pub(super) enum ChildOutcome {
     Exceeded { fault: Fault },
 }
 
+impl ChildOutcome {
+    /// True if the work may end otherwise with more memory: a capture that takes more than there is, or than its
+    /// reader grants itself, is exhausting.
+    pub(super) fn may_lack_memory(&self) -> bool {
+        match self {
+            Self::Observed { .. } | Self::Masked { .. } => false,
+            Self::Refused { fault, .. } => fault.category == Category::ResourceExhausted,
+            Self::Exceeded { .. } => true,
+        }
+    }
+}
+
 impl Child<'_> {
     /// Runs the child to its end. Dropping the future kills it.
     ///

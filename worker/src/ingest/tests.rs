@@ -16,6 +16,7 @@ use bendtwin_proto::worker::v1::{
     LeaveResponse, RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse,
     SaveCheckpointRequest, SaveCheckpointResponse,
     end_ingest_request::Part,
+    fail_job_request::End,
     worker_link_server::{WorkerLink, WorkerLinkServer},
 };
 use futures::Stream;
@@ -149,6 +150,11 @@ fn lease(settings: &str) -> Lease {
 
 /// Runs a job with a script as its child; its argument, the folder, is in `$2`.
 async fn run(lease: Lease, script: &str) -> Received {
+    run_for(lease, script, Duration::from_secs(60)).await
+}
+
+/// The same with a time for brief jobs.
+async fn run_for(lease: Lease, script: &str, longest: Duration) -> Received {
     let contents: [(&str, &'static [u8]); 4] = [
         ("", b"archive"),
         ("/supplements/masks", b"added "),
@@ -174,10 +180,17 @@ async fn run(lease: Lease, script: &str) -> Received {
         time: Duration::from_secs(60),
         sandbox: Sandbox::BestEffort,
         delivery_timeout: Duration::from_secs(60),
+        taken: watch::Sender::new(false),
     };
     let client = ServerClient::new(&[url], "token", "key", None).unwrap();
     let job = LeasedJob::new(client, "workers/0190a000-0000-7000-8000-000000000003", lease);
-    ingests.execute(job, &CancellationToken::new()).await;
+    if job.is_brief() {
+        let brief = BriefIngests { first: ingests, time: longest };
+        brief.execute(job, &CancellationToken::new()).await;
+    } else {
+        ingests.execute(job, &CancellationToken::new()).await;
+        assert!(!*ingests.taken.borrow(), "the seat is free");
+    }
     serving.abort();
     let received = received.lock().unwrap();
     received.clone()
@@ -259,4 +272,51 @@ async fn a_supplement_that_a_worker_does_not_know_is_not_left_out() {
     newer.supplements.push(LeasedSupplement { kind: "mesh".to_owned(), digest: String::new() });
     let received = run(newer, "exit 0").await;
     assert_eq!(received.failed.unwrap().fault.unwrap().reason, "SUPPLEMENT_UNKNOWN");
+}
+
+/// How the attempt at a brief job ended.
+async fn end_of_brief(script: &str, longest: Duration) -> Received {
+    run_for(Lease { brief: true, ..lease("{}") }, script, longest).await
+}
+
+#[tokio::test]
+async fn a_brief_ingest_that_takes_long_is_handed_back() {
+    let ended = |received: &Received| received.failed.as_ref().map(|failed| failed.end());
+    let soon = Duration::from_millis(200);
+    // Nothing is delivered, and the child ends.
+    let long = end_of_brief("exec sleep 600", soon).await;
+    assert_eq!((ended(&long), long.end), (Some(End::Outgrown), IngestWrite::default()));
+    // It may have less memory than the first seat.
+    let large = r#"cd "$2"; echo memory allocation of 9 bytes failed >&2; kill -ABRT $$"#;
+    let large = end_of_brief(large, Duration::from_secs(60)).await;
+    assert_eq!((ended(&large), large.end), (Some(End::Outgrown), IngestWrite::default()));
+    let refused = r#"cd "$2"
+        echo '{"refused":{"verdict":"unusable","fault":{"category":"RESOURCE_EXHAUSTED","reason":"TOO_LARGE","message":"m"}}}'"#;
+    let refused = end_of_brief(refused, Duration::from_secs(60)).await;
+    assert_eq!(ended(&refused), Some(End::Outgrown));
+    // What ends in time ends as usual.
+    let brief = r#"cd "$2"; grep -q '"memory_bytes":268435456' request.json || exit 3
+        echo '{"refused":{"verdict":"unusable","fault":{"category":"INVALID_ARGUMENT","reason":"NOT_CALIBRATED","message":"m"}}}'"#;
+    let brief = end_of_brief(brief, Duration::from_secs(60)).await;
+    assert_eq!((ended(&brief), brief.end.fault.unwrap().reason), (None, "NOT_CALIBRATED".into()));
+}
+
+#[tokio::test]
+async fn the_second_seat_is_open_while_the_first_is_taken() {
+    let first = Ingests {
+        dir: PathBuf::new(),
+        program: PathBuf::new(),
+        memory_bytes: 0,
+        time: Duration::ZERO,
+        sandbox: Sandbox::BestEffort,
+        delivery_timeout: Duration::ZERO,
+        taken: watch::Sender::new(false),
+    };
+    let brief = BriefIngests { first: first.clone(), time: Duration::ZERO };
+    let mut open = std::pin::pin!(brief.until_open());
+    assert!(futures::poll!(open.as_mut()).is_pending());
+    first.taken.send_replace(true);
+    open.await;
+    drop(Taken(&first.taken));
+    assert!(futures::poll!(std::pin::pin!(brief.until_open())).is_pending());
 }

@@ -25,6 +25,8 @@ pub(crate) enum Failure {
     Cancelled,
     /// Handed back in good order.
     Released,
+    /// Leased as brief, but takes longer.
+    Outgrown,
     /// Other work of this worker, which has to end, broke what the job needs.
     Interrupted,
 }
@@ -75,6 +77,13 @@ impl Attempt<'_> {
             }
         }
         self.fail(fault, kind).await;
+    }
+
+    /// Hands back a job that was leased as brief and takes longer, with its last checkpoint.
+    pub(crate) async fn hand_on(&mut self, fault: Fault) {
+        tracing::info!("it takes longer than a brief job may: handed back");
+        self.save_last_checkpoint().await;
+        self.fail(fault, Failure::Outgrown).await;
     }
 
     /// Sends until the server has acknowledged. Sending twice must do no harm.

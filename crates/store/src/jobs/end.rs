@@ -6,6 +6,7 @@ use uuid::Uuid;
 
 use super::{
     Job, JobId, Jobs, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
+    Requirements,
     lease_time::RunningJob,
     row::{self, Row, State, to_json},
 };
@@ -26,6 +27,8 @@ pub enum AttemptEnd {
     Cancelled,
     /// The worker gave the job back in good order; the attempt does not count.
     Released,
+    /// A brief ingest takes longer than it may; the attempt does not count, and from now on it is a long one.
+    Outgrown,
     /// Other work of the worker ended it. It does not count either, unless that was so for the last
     /// [`MAX_INTERRUPTED_ATTEMPTS`] attempts.
     Interrupted(Fault),
@@ -159,6 +162,7 @@ impl Jobs<'_> {
         let (mut counted, mut interrupted) = (1, row.interrupted);
         let made_way = row.yield_us.is_some() && end == AttemptEnd::Released;
         let fruitless = if made_way { row.fruitless } else { (row.fruitless - 1).max(0) };
+        let mut requirements = row.requirements;
         let end = match end {
             AttemptEnd::Interrupted(_) if interrupted < i64::from(MAX_INTERRUPTED_ATTEMPTS) => {
                 interrupted += 1;
@@ -169,9 +173,17 @@ impl Jobs<'_> {
         };
         let (state, fault) = match end {
             AttemptEnd::Cancelled => (State::Cancelled, None),
-            AttemptEnd::Released | AttemptEnd::Failed(_) if cancelling => (State::Cancelled, None),
+            AttemptEnd::Released | AttemptEnd::Outgrown | AttemptEnd::Failed(_) if cancelling => {
+                (State::Cancelled, None)
+            }
             AttemptEnd::Released => {
                 counted = 0;
+                (State::Queued, None)
+            }
+            AttemptEnd::Outgrown => {
+                counted = 0;
+                let known = Requirements::from_text(&requirements).unwrap_or_default();
+                requirements = Requirements { long: true, ..known }.to_text()?;
                 (State::Queued, None)
             }
             AttemptEnd::FailedForGood(fault) => (State::Failed, Some(fault)),
@@ -185,8 +197,8 @@ impl Jobs<'_> {
         let updated: Row = query(
             "update jobs set state = $2, fault = $3, attempt_faults = $4, attempts = $5,
                  stalled = $6, ended_at = $7, checkpoint = $8, interrupted = $9,
-                 fruitless = $10, served_at = coalesce($11, served_at), yield_us = null,
-                 lease_until = null, worker = null,
+                 fruitless = $10, served_at = coalesce($11, served_at), requirements = $12,
+                 yield_us = null, lease_until = null, worker = null,
                  revision = revision + 1
              where id = $1 returning *",
         )
@@ -201,6 +213,7 @@ impl Jobs<'_> {
         .bind(interrupted)
         .bind(fruitless)
         .bind(made_way.then(|| self.store.now_micros()))
+        .bind(requirements)
         .fetch_one(&mut *tx)
         .await?;
         updated.try_into()

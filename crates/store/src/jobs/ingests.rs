@@ -204,7 +204,7 @@ impl Jobs<'_> {
             let before = Job::try_from(row)?;
             if before.id.fit().is_none()
                 && (before.capture, &before.settings) == (new.capture, &new.settings)
-                && before.requirements.to_text()? == requirements
+                && before.requirements.asked().to_text()? == requirements
             {
                 return Ok(before);
             }

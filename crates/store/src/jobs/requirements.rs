@@ -36,6 +36,9 @@ pub struct Requirements {
     /// Version of the worker's program at least.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<Version>,
+    /// True for an ingest that took long before: a worker begins it only where others do not wait for its end.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub long: bool,
 }
 
 impl Requirements {
@@ -53,6 +56,11 @@ impl Requirements {
     /// Requirements from their text, as far as this version knows them.
     pub(crate) fn from_text(text: &str) -> serde_json::Result<Self> {
         if text.is_empty() { Ok(Self::default()) } else { serde_json::from_str(text) }
+    }
+
+    /// What was asked for, without what became known since.
+    pub(crate) fn asked(&self) -> Self {
+        Self { long: false, ..self.clone() }
     }
 
     /// All requirements of a text; none if it has some of a newer version.
@@ -73,16 +81,19 @@ pub struct Capabilities {
     pub labels: Vec<String>,
     /// Version of its program, if it is known.
     pub version: Option<Version>,
+    /// True if it asks for brief jobs alone.
+    pub brief: bool,
 }
 
 impl Capabilities {
     /// True if the worker is one that these ask for.
     pub fn satisfies(&self, requirements: &Requirements) -> bool {
-        let Requirements { backend, memory_bytes, labels, version } = requirements;
+        let Requirements { backend, memory_bytes, labels, version, long } = requirements;
         (backend.is_empty() || *backend == self.backend)
             && *memory_bytes <= self.memory_bytes
             && labels.iter().all(|label| self.labels.contains(label))
             && *version <= self.version
+            && !(*long && self.brief)
     }
 }
 

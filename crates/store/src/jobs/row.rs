@@ -89,7 +89,7 @@ row! {
         error_m: f64,
         pub(super) loss_stride: i64,
         pub(super) owner: String,
-        requirements: String,
+        pub(super) requirements: String,
         pub(super) run_us: i64,
         pub(super) slice_us: i64,
         pub(super) idle_us: i64,

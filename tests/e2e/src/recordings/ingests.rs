@@ -14,7 +14,7 @@ use crate::harness::{
     Api, Setup, TestCluster,
     api::has_ended,
     command::{run, run_json, run_ok},
-    process::kill,
+    process::{kill, signal},
     reference::{FIT, SETTINGS, capture},
     until,
 };
@@ -120,15 +120,7 @@ async fn tar_archives_and_folders_are_read_as_zip_is() {
 async fn killed_readers_and_workers_are_survived() {
     let server = TestCluster::ordinary().await;
     let api = server.api();
-    // Long enough to be met at it.
-    let path = server.path("raw.zip");
-    let make = path.clone();
-    tokio::task::spawn_blocking(move || {
-        run_ok(&["capture", "make", "toy", &make, "--tiny", "--raw", "--frames", "300"]);
-    })
-    .await
-    .unwrap();
-    let archive = Bytes::from(std::fs::read(&path).unwrap());
+    let archive = long(&server, "300").await;
     let stored = api.upload(&archive, "").await.unwrap();
     let fit = api.fit(&stored.name, SETTINGS, 0).await.unwrap();
     let reader = reader_pid(&server).await;
@@ -152,6 +144,47 @@ async fn killed_readers_and_workers_are_survived() {
     let reasons: Vec<_> = ingest.attempt_faults.iter().map(|f| f.reason.as_str()).collect();
     assert_eq!(reasons, ["INGEST_CRASHED", "WORKER_LOST"]);
     api.succeeded(&fit.name, FIT).await;
+}
+
+/// A stopped reader holds the first seat and another one the second: captures that come later are read
+/// nevertheless.
+#[tokio::test]
+async fn captures_that_take_long_let_small_ones_pass() {
+    let setup = Setup { worker_args: &["--ingest-brief-s", "15"], ..Setup::default() };
+    let server = TestCluster::start(setup).await;
+    let api = server.api();
+    let (small, long) = (capture().await, long(&server, "60").await);
+    let stop_next = async |before: &[u32]| {
+        until("another capture to be read", SOON, async || {
+            let new = server.reader_pids().into_iter().find(|pid| !before.contains(pid))?;
+            signal(new, "STOP");
+            Some(new)
+        })
+        .await
+    };
+    let state = async |name: &str| {
+        let ingest = get_capture(&api, name).await.and_then(|c| c.ingest).unwrap();
+        (ingest.state(), ingest.attempts)
+    };
+    let first = api.upload(&long, "first").await.unwrap();
+    let first_reader = stop_next(&[]).await;
+    let second = api.upload(&long, "second").await.unwrap();
+    let second_reader = stop_next(&[first_reader]).await;
+    let third = api.upload(&small, "third").await.unwrap();
+    let third = ingested(&api, &third.name).await.ingest.unwrap();
+    assert_eq!((third.state(), third.attempts), (State::Succeeded, 1), "{third:?}");
+    assert_eq!(state(&first.name).await, (State::Running, 1));
+    // Handed back, and not begun again beside the first.
+    assert_eq!(state(&second.name).await, (State::Queued, 0));
+    until("the second reader to end", SOON, async || {
+        (!server.reader_pids().contains(&second_reader)).then_some(())
+    })
+    .await;
+    signal(first_reader, "CONT");
+    for name in [&first.name, &second.name] {
+        let ingest = ingested(&api, name).await.ingest.unwrap();
+        assert_eq!((ingest.state(), ingest.attempts), (State::Succeeded, 1), "{ingest:?}");
+    }
 }
 
 #[tokio::test]
@@ -206,6 +239,18 @@ async fn an_ingest_is_stopped_run_again_and_watched() {
     })
     .await
     .unwrap();
+}
+
+/// A recording of cameras of that many frames, whose reading is long enough to be met at it.
+async fn long(server: &TestCluster, frames: &'static str) -> Bytes {
+    let path = server.path("raw.zip");
+    let make = path.clone();
+    tokio::task::spawn_blocking(move || {
+        run_ok(&["capture", "make", "toy", &make, "--tiny", "--raw", "--frames", frames]);
+    })
+    .await
+    .unwrap();
+    Bytes::from(std::fs::read(&path).unwrap())
 }
 
 /// The capture with that many frames and points, all coordinates zero.

@@ -16,6 +16,7 @@ on_both! {
     a_fit_of_a_newer_version_waits_for_workers_and_servers_that_know_it,
     requirements_are_part_of_a_repeated_request,
     an_ingest_waits_for_a_worker_that_it_asks_for,
+    an_ingest_that_outgrew_its_time_is_brief_no_more,
     the_queue_has_a_bounded_number_of_different_requirements,
 }
 
@@ -116,7 +117,7 @@ async fn a_fit_waits_for_a_worker_that_it_asks_for(on: On) {
         backend: "cpu".into(),
         memory_bytes: 1 << 30,
         labels: labels(&["ecc"]),
-        version: None,
+        ..Capabilities::default()
     };
     assert_eq!(claim_with(&plain).await, Some(last));
     assert_eq!(claim_with(&plain).await, None);
@@ -189,6 +190,44 @@ async fn an_ingest_waits_for_a_worker_that_it_asks_for(on: On) {
     let other = bench.store.jobs().create_ingest(other).await;
     assert!(matches!(other, Err(Error::RequestIdTaken { .. })));
     assert!(claim_with(&["lab=2"]).await.is_some());
+}
+
+async fn an_ingest_that_outgrew_its_time_is_brief_no_more(on: On) {
+    let bench = Bench::new(on).await;
+    let capture = bench.capture("a").await;
+    let jobs = bench.store.jobs();
+    let claim_as = async |brief: bool| {
+        let capabilities = Capabilities { brief, ..Capabilities::default() };
+        let claimant = Claimant { worker: WorkerId::generate(), capabilities };
+        bench.store.jobs().claim(Kind::Ingest, claimant, LEASE).await.unwrap()
+    };
+    let requirements = Requirements { backend: String::new(), ..Requirements::default() };
+    let again = NewIngest {
+        capture: capture.id,
+        settings: "{}".to_owned(),
+        request_id: Some("key".to_owned()),
+        trace_parent: None,
+        creator: Creator::default(),
+        requirements,
+    };
+    if let Some(first) = claim_as(true).await {
+        let end = AttemptEnd::FailedForGood(fault());
+        jobs.end_attempt(lease_of(&first), end).await.unwrap();
+    }
+    let asked = jobs.create_ingest(again.clone()).await.unwrap();
+    let brief = claim_as(true).await.unwrap();
+    let handed_on = jobs.end_attempt(lease_of(&brief), AttemptEnd::Outgrown).await.unwrap();
+    assert_eq!((handed_on.state, handed_on.attempts), (State::Queued, 0));
+    assert!(handed_on.requirements.long && handed_on.attempt_faults.is_empty());
+    assert!(claim_as(true).await.is_none());
+    // That is not what anybody asked for: the same request is the same ingest.
+    assert_eq!(jobs.create_ingest(again.clone()).await.unwrap().id, asked.id);
+    let long = claim_as(false).await.unwrap();
+    assert_eq!((long.id, long.attempts), (asked.id, 1));
+    jobs.end_attempt(lease_of(&long), AttemptEnd::FailedForGood(fault())).await.unwrap();
+    // Read again, it may be quick.
+    jobs.create_ingest(NewIngest { request_id: None, ..again }).await.unwrap();
+    assert!(claim_as(true).await.is_some());
 }
 
 async fn requirements_are_part_of_a_repeated_request(on: On) {
