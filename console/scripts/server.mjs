@@ -22,17 +22,24 @@ export class Server {
   /** @type {import('node:child_process').ChildProcess | null} */
   #process = null;
   #log = '';
-  #port = 0;
+  #port;
   #home = mkdtempSync(join(tmpdir(), 'bendtwin-console-'));
 
-  /** @param {string[]} options Options of `bendtwin server`. */
-  constructor(options = []) {
+  /**
+   * @param {string[]} options Options of `bendtwin server`.
+   * @param {number} port 0 takes a free one.
+   */
+  constructor(options = [], port = 0) {
     this.options = options;
+    this.#port = port;
   }
 
-  /** @param {string[]} options */
-  static async start(options = []) {
-    const server = new Server(options);
+  /**
+   * @param {string[]} options
+   * @param {number} port
+   */
+  static async start(options = [], port = 0) {
+    const server = new Server(options, port);
     await server.start();
     return server;
   }

@@ -2,6 +2,7 @@ import { Problem } from './api/client';
 import type { Api } from './api/client';
 import { ServerLost } from './api/connection';
 import { sleep } from './api/backoff';
+import { signOut } from './api/sign_in';
 import { Tabs } from './api/tabs';
 import { takeTokenFromAddress, token } from './api/token';
 import { load } from './load';
@@ -13,6 +14,8 @@ import type { Frame } from './ui/frame';
 import { problemBox } from './ui/problem';
 
 const LOGIN = '/login';
+/** Reason of a refusal once a sign-in has ended. */
+const SIGN_IN_ENDED = 'SIGN_IN_ENDED';
 const LISTS = ['captures', 'fits', 'twins'];
 /** Time after which a page that is not there yet is announced [ms]. */
 const QUICK_MS = 200;
@@ -21,6 +24,7 @@ const QUICK_MS = 200;
 export function start(app: HTMLElement, api: Api): void {
   const tabs = new Tabs(goToLogin);
   const logOut = (): void => {
+    void signOut(api);
     tabs.forget();
     goToLogin();
   };
@@ -47,7 +51,7 @@ class Router {
 
   start(): void {
     addEventListener('hashchange', () => void this.show(true));
-    this.api.onUnauthenticated = () => void this.askForToken();
+    this.api.onUnauthenticated = (problem) => void this.askForToken(problem.reason === SIGN_IN_ENDED);
     this.api.connection.addEventListener('back', () => {
       if (this.#isWaiting) void this.show(false);
     });
@@ -142,7 +146,7 @@ class Router {
   }
 
   /** Takes the token of another tab, or goes to the page that asks for it, which leads back here. */
-  private async askForToken(): Promise<void> {
+  private async askForToken(hasEnded: boolean): Promise<void> {
     if (address().path === LOGIN || this.#isAsking) return;
     this.#isAsking = true;
     const taken = await this.tabs.take();
@@ -150,8 +154,10 @@ class Router {
     if (taken) return this.show(false);
     const here = location.hash;
     if (address().path === LOGIN) return;
-    const next = here === '' || here === '#/' ? '' : `?${new URLSearchParams({ next: here })}`;
-    location.replace(`#${LOGIN}${next}`);
+    const query = new URLSearchParams();
+    if (here !== '' && here !== '#/') query.set('next', here);
+    if (hasEnded) query.set('ended', '');
+    location.replace(`#${LOGIN}${query.size === 0 ? '' : `?${query}`}`);
   }
 }
 

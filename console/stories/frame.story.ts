@@ -108,11 +108,12 @@ describe('the frame of all pages', () => {
     const loaded = await visit.page.evaluate(() =>
       performance
         .getEntriesByType('resource')
+        .filter((entry) => new URL(entry.name).pathname.startsWith('/assets/'))
         .reduce((sum, entry) => sum + (entry as PerformanceResourceTiming).transferSize, 0),
     );
     console.log(`first paint after ${Math.round(paint)} ms, ${loaded} bytes loaded of ${bytes} in all`);
     // The first page loads no three-dimensional view.
-    expect(loaded).toBeLessThan(60_000);
+    expect(loaded).toBeLessThan(40_000);
     await visit.close();
   });
 });

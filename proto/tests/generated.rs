@@ -22,7 +22,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use contract::Contract;
 
-const FILES: [&str; 19] = [
+const FILES: [&str; 20] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -36,6 +36,7 @@ const FILES: [&str; 19] = [
     "bendtwin/v1/key.proto",
     "bendtwin/v1/project.proto",
     "bendtwin/v1/usage.proto",
+    "bendtwin/v1/sign_in.proto",
     "bendtwin/v1/rollout.proto",
     "bendtwin/v1/planning.proto",
     "bendtwin/v1/registration.proto",

@@ -42,6 +42,7 @@ use crate::{
     memory::Memory,
     metrics::Metrics,
     options::Options,
+    sign_in::SignIn,
     tls::Certificates,
 };
 pub(crate) use crate::{
@@ -55,8 +56,8 @@ pub(crate) use fits::FitOrder;
 pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{LeasedJob, News, Offer};
-pub(crate) use keys::KeyOrder;
 use keys::usage::KnownUsage;
+pub(crate) use keys::{KeyOrder, WhoAmI};
 pub(crate) use labels::Listing;
 pub(crate) use operations::Check;
 use operations::{Readiness, StoredNumbers};
@@ -84,6 +85,8 @@ pub(crate) struct Inner {
     dispatch: Dispatch,
     tokens: Tokens,
     keys: KeyRing,
+    /// Sign-in of people, if the server has an identity provider.
+    sign_in: Option<SignIn>,
     metrics: Metrics,
     readiness: Readiness,
     stored_numbers: StoredNumbers,
@@ -112,6 +115,7 @@ impl App {
         store: Store,
         certificates: Certificates,
         metrics: Metrics,
+        sign_in: Option<SignIn>,
     ) -> Self {
         let memory = Memory::new(options.memory_bytes());
         let stopping = CancellationToken::new();
@@ -131,6 +135,7 @@ impl App {
             dispatch,
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone(), options.quotas.to_store()),
+            sign_in,
             metrics,
             readiness: Readiness::default(),
             stored_numbers: StoredNumbers::default(),

@@ -93,9 +93,13 @@ mod tests {
     fn what_the_contract_has_audited_is_audited() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/app");
         let mut audited = BTreeSet::new();
-        let files = |folder| std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
-        for file in files(folder.clone()).chain(files(folder.join("storage"))) {
-            let Ok(source) = std::fs::read_to_string(file) else { continue };
+        let mut paths = vec![folder];
+        while let Some(path) = paths.pop() {
+            if path.is_dir() {
+                paths.extend(std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+                continue;
+            }
+            let source = std::fs::read_to_string(path).unwrap();
             for call in source.split("audit::").skip(1) {
                 let call = call.strip_prefix("changed(").or_else(|| call.strip_prefix("made("));
                 let method = call.and_then(|call| call.split('"').nth(1));

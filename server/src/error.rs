@@ -26,6 +26,8 @@ pub(crate) enum Error {
     #[problem(InvalidArgument, "INVALID_FIELD")]
     Invalid { field: &'static str, fault: String },
     #[error(transparent)]
+    SignIn(#[from] crate::sign_in::Error),
+    #[error(transparent)]
     Rollout(#[from] bendtwin_contract::rollout::Error),
     #[error(transparent)]
     Registration(#[from] bendtwin_contract::registration::Error),

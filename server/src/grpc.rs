@@ -34,8 +34,9 @@ use bendtwin_proto::{
         registration_service_server::RegistrationServiceServer,
         retention_service_server::RetentionServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
-        trash_service_server::TrashServiceServer, twin_service_server::TwinServiceServer,
-        usage_service_server::UsageServiceServer, worker_service_server::WorkerServiceServer,
+        sign_in_service_server::SignInServiceServer, trash_service_server::TrashServiceServer,
+        twin_service_server::TwinServiceServer, usage_service_server::UsageServiceServer,
+        worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -100,6 +101,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<UsageServiceServer<Api>>()
         .with::<TrashServiceServer<Api>>()
         .with::<RetentionServiceServer<Api>>()
+        .with::<SignInServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>()
         .with::<PlanningServiceServer<Api>>()
@@ -120,6 +122,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(UsageServiceServer::new(api.clone()))
         .add_service(TrashServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(RetentionServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(SignInServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(EvaluationServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(Counted {
             app: app.clone(),

@@ -13,9 +13,9 @@
 //!
 //! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
 //! them into two APIs over one error table (`refusal.rs`), and call nothing else; `access/` says who
-//! may call what; `dispatch/` knows the workers and routes rollouts; `supervise.rs` keeps worker
-//! processes alive. Plays, which advance sessions in real time, are `bendtwin_play`, whose host is
-//! `app/plays.rs`.
+//! may call what, `sign_in/` who a person is; `dispatch/` knows the workers and routes rollouts;
+//! `supervise.rs` keeps worker processes alive. Plays, which advance sessions in real time, are
+//! `bendtwin_play`, whose host is `app/plays.rs`.
 
 pub mod access;
 mod app;
@@ -32,6 +32,7 @@ mod metrics;
 mod options;
 mod refusal;
 mod service;
+mod sign_in;
 mod supervise;
 mod tls;
 
@@ -40,8 +41,8 @@ pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, maintenance};
 #[doc(hidden)]
 pub use http::uploads::read_upload_headers;
 pub use options::{
-    ClientTokenPolicy, DefaultQuotas, Limits, Options, Queue, RetentionRule, Tls, WorkerPolicy,
-    WorkerTls,
+    ClientTokenPolicy, DefaultQuotas, Limits, Options, Queue, RetentionRule, SignIn, Tls,
+    WorkerPolicy, WorkerTls,
 };
 pub use refusal::http_status;
 pub use service::{Handle, Service, StartError};

@@ -3,6 +3,7 @@
 
 mod queue;
 mod retention;
+mod sign_in;
 mod tls;
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
@@ -14,6 +15,8 @@ use serde::{Deserialize, Serialize};
 use crate::listen::Timeouts;
 pub use queue::Queue;
 pub use retention::RetentionRule;
+pub use sign_in::SignIn;
+pub(crate) use sign_in::{is_local, is_protected};
 pub use tls::{Tls, WorkerTls};
 
 const MIB: u64 = 1 << 20;
@@ -43,6 +46,9 @@ pub struct Options {
     pub tls: Option<Tls>,
     /// Listener for workers on other hosts; with it the address for clients takes no workers.
     pub worker_tls: Option<WorkerTls>,
+    /// Sign-in of people with an identity provider; without one there are keys and the token alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sign_in: Option<SignIn>,
     /// True if a proxy in front has the TLS, so that the server may listen on an address that is
     /// not loopback.
     pub tls_terminated_by_proxy: bool,
@@ -213,6 +219,7 @@ impl Default for Options {
             client_token_file: None,
             tls: None,
             worker_tls: None,
+            sign_in: None,
             tls_terminated_by_proxy: false,
             insecure: false,
             data_dir: PathBuf::from("bendtwin-data"),
@@ -378,6 +385,7 @@ impl Options {
             ));
         }
         faults.extend(self.openness());
+        faults.extend(self.sign_in_faults());
         if let Some(url) = &self.database_url
             && let Err(fault) = DatabaseUrl::parse(url.reveal())
         {

@@ -20,6 +20,7 @@ use crate::{
     listen::{self, Bounds},
     metrics::Metrics,
     options::{ClientTokenPolicy, Options},
+    sign_in::SignIn,
     supervise,
     tls::Certificates,
 };
@@ -77,6 +78,15 @@ pub enum StartError {
     #[error("no TLS: {0}")]
     #[problem(transparent)]
     Certificate(#[from] FileError),
+    /// The file with the secret of the sign-in cannot be read.
+    #[error("cannot read the client secret of sign_in in {}: {source}", path.display())]
+    #[problem(FailedPrecondition, "CLIENT_SECRET_FILE")]
+    ClientSecret {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
     /// The program of the workers cannot be started.
     #[error("cannot start workers with {program}: {fault}: name their program in workers.program")]
     #[problem(FailedPrecondition, "NO_WORKER_PROGRAM")]
@@ -135,6 +145,7 @@ impl Service {
         let program = supervise::program(&options.workers)?;
         // First of all: a server that cannot listen leaves no folder behind.
         let certificates = Certificates::load(&options)?;
+        let sign_in = options.sign_in.as_ref().map(SignIn::load).transpose()?;
         let (socket, address) = bind(options.listen).await?;
         let (worker_socket, worker_address) = bind(options.worker_listen).await?;
         let worker_tls = match &options.worker_tls {
@@ -153,7 +164,7 @@ impl Service {
         let memory_mib = options.memory_bytes() >> 20;
         let worker_memory_mib = options.workers.each_memory_mib();
         tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
-        let app = App::new(options, store, certificates.clone(), metrics.clone());
+        let app = App::new(options, store, certificates.clone(), metrics.clone(), sign_in);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let grpc = grpc::router(&app).await?;
         let root_service = RootService {

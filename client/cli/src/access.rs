@@ -1,5 +1,6 @@
-//! The commands about access: keys, projects of their owners, and what owners have.
+//! The commands about access: sign-in, keys, projects of their owners, and what owners have.
 
 pub(crate) mod admin;
 pub(crate) mod key;
+pub(crate) mod login;
 pub(crate) mod project;

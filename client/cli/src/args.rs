@@ -6,7 +6,7 @@ pub(crate) mod requirements;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    access::{admin, key, project},
+    access::{admin, key, login, project},
     bench, ca, capture, demo, doctor, eval, fit,
     global::Global,
     logging, rollout,
@@ -52,6 +52,12 @@ pub(crate) enum Command {
     Trash(trash::Trash),
     /// Rules by which the server deletes by itself: list, make, delete, preview
     Retention(trash::retention::Retention),
+    /// Sign in at a server with your organisation's identity provider
+    Login(login::Login),
+    /// Sign out of a server
+    Logout,
+    /// Show who you are to a server, and what you may do there
+    Whoami,
     /// Make, list and revoke the keys of a server
     Key(key::Key),
     /// Make and change projects, whose members share what they have

@@ -30,6 +30,24 @@ def test_the_environment_wins(tokens, monkeypatch):
     assert find_token("twin.example:7070") == "given"
 
 
+def test_a_sign_in_is_found_by_scheme_host_and_port(tokens):
+    (tokens / "7070").write_text("secret\n")
+    folder = tokens.parent / "sign-ins"
+    folder.mkdir()
+    for name in ("https_twin.example_443", "http_127.0.0.1_7070", "http___1_7070"):
+        (folder / name).write_text(f"of {name}\n")
+        (folder / name).chmod(0o600)
+    assert find_token("Twin.Example:443", True) == "of https_twin.example_443"
+    assert find_token("twin.example:443", False) is None
+    assert find_token("twin.example:8443", True) is None
+    assert find_token("127.0.0.1:7070") == "of http_127.0.0.1_7070"
+    assert find_token("[::1]:7070") == "of http___1_7070"
+    assert find_token("localhost:7070") == "secret"
+    (folder / "http_127.0.0.1_7070").chmod(0o644)
+    with pytest.raises(PermissionError, match="chmod 600"):
+        find_token("127.0.0.1:7070")
+
+
 def test_every_kind_of_call_shows_the_token(fake, tokens, tmp_path):
     server, address = serve(fake)
     (tokens / address.rpartition(":")[2]).write_text("secret\n")

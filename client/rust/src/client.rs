@@ -19,9 +19,9 @@ use bendtwin_proto::v1::{
     project_service_client::ProjectServiceClient,
     registration_service_client::RegistrationServiceClient,
     retention_service_client::RetentionServiceClient, rollout_service_client::RolloutServiceClient,
-    session_service_client::SessionServiceClient, trash_service_client::TrashServiceClient,
-    twin_service_client::TwinServiceClient, usage_service_client::UsageServiceClient,
-    worker_service_client::WorkerServiceClient,
+    session_service_client::SessionServiceClient, sign_in_service_client::SignInServiceClient,
+    trash_service_client::TrashServiceClient, twin_service_client::TwinServiceClient,
+    usage_service_client::UsageServiceClient, worker_service_client::WorkerServiceClient,
 };
 use bendtwin_tls::{ClientConfig, Connector, TlsError, client_config};
 use tonic::transport::Endpoint;
@@ -29,7 +29,7 @@ use url::Url;
 
 use crate::{
     Captures, Error, Evaluations, Fits, Keys, Plans, Projects, Registrations, Retention, Rollouts,
-    Sessions, Trash, Twins, Usage, Workers, token,
+    Sessions, SignIns, Trash, Twins, Usage, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -169,6 +169,11 @@ impl Client {
         Usage::new(UsageServiceClient::new(self.channel.clone()))
     }
 
+    /// Sign-ins of people.
+    pub fn sign_ins(&self) -> SignIns {
+        SignIns::new(SignInServiceClient::new(self.channel.clone()))
+    }
+
     /// Worker processes that the server knows.
     pub fn workers(&self) -> Workers {
         Workers::new(WorkerServiceClient::new(self.channel.clone()))
@@ -205,7 +210,7 @@ impl Client {
 }
 
 /// The address as a URL: `localhost:7070` is `http://localhost:7070`.
-fn complete(address: &str) -> Cow<'_, str> {
+pub(crate) fn complete(address: &str) -> Cow<'_, str> {
     let address = address.trim_end_matches('/');
     if address.contains("://") { address.into() } else { format!("http://{address}").into() }
 }

@@ -1,5 +1,7 @@
 //! Errors of calls.
 
+use std::time::Duration;
+
 use bendtwin_core::{Category, Fault, Problem};
 use bendtwin_proto::fault;
 use bendtwin_tls::TlsError;
@@ -12,6 +14,7 @@ use tonic_types::StatusExt as _;
 pub struct Error {
     fault: Fault,
     request_id: Option<String>,
+    retry_after: Option<Duration>,
 }
 
 impl Error {
@@ -35,6 +38,11 @@ impl Error {
         self.request_id.as_deref()
     }
 
+    /// The delay after which the server proposes another attempt.
+    pub fn retry_after(&self) -> Option<Duration> {
+        self.retry_after
+    }
+
     /// Category, reason and message together.
     pub fn fault(&self) -> &Fault {
         &self.fault
@@ -47,7 +55,7 @@ impl Error {
 
     pub(crate) fn new(category: Category, reason: &str, message: impl Into<String>) -> Self {
         let fault = Fault { category, reason: reason.to_owned(), message: message.into() };
-        Self { fault, request_id: None }
+        Self { fault, request_id: None, retry_after: None }
     }
 
     /// The error of another part of the program.
@@ -130,6 +138,7 @@ impl Error {
 impl From<Status> for Error {
     fn from(status: Status) -> Self {
         let request_id = status.get_details_request_info().map(|info| info.request_id);
+        let retry_after = status.get_details_retry_info().and_then(|info| info.retry_delay);
         let mut fault = fault::fault(&status);
         if status.get_details_error_info().is_none() {
             // Not from the server's own code: the connection, most likely.
@@ -146,6 +155,6 @@ impl From<Status> for Error {
                 fault.message = format!("the connection to the server broke: {}", fault.message);
             }
         }
-        Self { fault, request_id: None }.with_request_id(request_id)
+        Self { fault, request_id: None, retry_after }.with_request_id(request_id)
     }
 }

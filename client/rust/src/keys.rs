@@ -2,6 +2,7 @@
 //! client token.
 
 pub(crate) mod projects;
+pub(crate) mod sign_ins;
 
 use bendtwin_core::ids::KeyId;
 use bendtwin_proto::v1::{
@@ -40,6 +41,8 @@ pub struct Key {
     pub last_use_time: Option<Timestamp>,
     /// Bounds on what its owner may have.
     pub quotas: KeyQuotas,
+    /// True if a person got it by signing in.
+    pub is_sign_in: bool,
 }
 }
 

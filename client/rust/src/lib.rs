@@ -103,6 +103,7 @@ pub use self::{
     evaluations::Evaluations,
     fits::{FitOrder, Fits, LossCurve},
     keys::projects::{Project, ProjectChange, Projects},
+    keys::sign_ins::{Caller, DeviceCode, SignIns},
     keys::{Key, Keys, MadeKey, NewKey},
     labels::{CaptureFacts, ListQuery, Order, Update},
     page::{Page, PageRequest},

@@ -1,6 +1,8 @@
-//! The token or key that is shown to a server: in the environment, in a file that is named there,
-//! or, for servers of this user on this machine, in a file that the server leaves by its port,
-//! which needs no configuration.
+//! The token or key that is shown to a server: in the environment, in a file that is named there, in
+//! the file of a sign-in (`bendtwin login`), or, for servers of this user on this machine, in a file
+//! that the server leaves by its port, which needs no configuration.
+
+mod sign_in;
 
 use std::{
     io::{self, Write as _},
@@ -13,14 +15,16 @@ use url::Url;
 
 use crate::Error;
 
+pub use sign_in::{forget_sign_in, keep_sign_in, sign_in_of};
+
 /// The environment variable with a token or a key.
 pub const TOKEN_VARIABLE: &str = "BENDTWIN_TOKEN";
 /// The environment variable with the path of a file that has one.
 pub const FILE_VARIABLE: &str = "BENDTWIN_TOKEN_FILE";
 
 /// Token or key to be shown to a server: that of `BENDTWIN_TOKEN`; else that in the file that
-/// `BENDTWIN_TOKEN_FILE` names; else, if the URL names this machine, the token that a server of this
-/// user left for its port.
+/// `BENDTWIN_TOKEN_FILE` names; else the key with which this user signed in at that server; else, if
+/// the URL names this machine, the token that a server of this user left for its port.
 ///
 /// # Errors
 /// If the file cannot be used ([`read`]).
@@ -32,7 +36,10 @@ pub fn find(url: &str) -> Result<Option<String>, Error> {
     if let Some(file) = set(FILE_VARIABLE) {
         return read(Path::new(&file)).map(Some);
     }
-    Ok(Url::parse(url).ok().and_then(|url| left(&url)))
+    match sign_in_of(url)? {
+        Some(key) => Ok(Some(key)),
+        None => Ok(Url::parse(url).ok().and_then(|url| left(&url))),
+    }
 }
 
 /// The token or key in a file.
@@ -92,8 +99,12 @@ fn left(url: &Url) -> Option<String> {
 /// If there is no folder for it, or it cannot be written.
 pub fn publish(port: u16, token: &str) -> io::Result<()> {
     let no_home = || io::Error::new(io::ErrorKind::NotFound, "neither HOME nor XDG_STATE_HOME");
-    let path = path(port).ok_or_else(no_home)?;
-    let folder = path.parent().ok_or_else(no_home)?;
+    write(&path(port).ok_or_else(no_home)?, token)
+}
+
+/// Writes a token to a file of this user, in a folder that is made if missing.
+fn write(path: &Path, token: &str) -> io::Result<()> {
+    let folder = path.parent().ok_or(io::ErrorKind::NotFound)?;
     let mut folders = std::fs::DirBuilder::new();
     folders.recursive(true);
     #[cfg(unix)]
@@ -107,7 +118,7 @@ pub fn publish(port: u16, token: &str) -> io::Result<()> {
         _ => {}
     }
     writeln!(create_private(&partial)?, "{token}")?;
-    std::fs::rename(&partial, &path)
+    std::fs::rename(&partial, path)
 }
 
 /// Removes the token of a server that ends.
@@ -129,9 +140,14 @@ pub fn withdraw_any(port: u16) {
 /// The file for the server at a port: `$XDG_STATE_HOME/bendtwin/tokens/{port}`, or below
 /// `~/.local/state`.
 fn path(port: u16) -> Option<PathBuf> {
+    Some(state()?.join("tokens").join(port.to_string()))
+}
+
+/// The folder of what this user's commands keep.
+fn state() -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from).filter(|p| p.is_absolute());
     let home = || std::env::home_dir().map(|home| home.join(".local/state"));
-    Some(state.or_else(home)?.join("bendtwin/tokens").join(port.to_string()))
+    Some(state.or_else(home)?.join("bendtwin"))
 }
 
 #[cfg(all(test, unix))]

@@ -15,8 +15,8 @@ pub struct Global {
     #[arg(long, global = true, env = "BENDTWIN_SERVER", value_name = "URL", default_value = DEFAULT_SERVER)]
     pub server: String,
     /// File with a key, or with the token of the server, `client-token` in its data folder; other
-    /// users must not be able to read it [default: BENDTWIN_TOKEN, or the token of a server of this
-    /// user on this machine]
+    /// users must not be able to read it [default: BENDTWIN_TOKEN, or the sign-in of `bendtwin login`,
+    /// or the token of a server of this user on this machine]
     #[arg(long, global = true, env = "BENDTWIN_TOKEN_FILE", value_name = "FILE")]
     pub token_file: Option<PathBuf>,
     /// File with the certificate of the authority of the server, for https:// [default: the

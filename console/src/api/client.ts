@@ -20,7 +20,7 @@ export class Api {
   });
 
   /** Called when an answer asks for a token, or for another one. */
-  onUnauthenticated: () => void = () => undefined;
+  onUnauthenticated: (problem: Problem) => void = () => undefined;
 
   /** The answer of a route to GET, with the types of the server's description. */
   get<P extends Path>(route: P, options: { id?: string; query?: Query<P>; signal: AbortSignal }): Promise<Reply<P>> {
@@ -49,7 +49,7 @@ export class Api {
     const answer = await this.answered(request, options.signal);
     if (answer.ok) return answer;
     const problem = await problemOf(answer);
-    if (problem.status === 401) this.onUnauthenticated();
+    if (problem.status === 401) this.onUnauthenticated(problem);
     if (NO_SERVER.includes(problem.status) && problem.reason === '') {
       this.connection.lost();
       throw new ServerLost();

@@ -55,6 +55,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/caller": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get caller
+         * @description The caller, as the server knows it.
+         */
+        get: operations["GetCaller"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/captures": {
         parameters: {
             query?: never;
@@ -824,6 +844,74 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/sign-in": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get sign in options
+         * @description Whether people can sign in, and what the button says. The provider is not asked.
+         */
+        get: operations["GetSignInOptions"];
+        put?: never;
+        /**
+         * Create sign in
+         * @description Ends a sign-in that has begun: the key of the person, whose text is only in this reply. A sign-in of a device that the person has not confirmed yet is refused with SIGN_IN_PENDING and a delay for the next attempt.
+         */
+        post: operations["CreateSignIn"];
+        /**
+         * Delete sign in
+         * @description Signs out: revokes the key that the call shows if it comes from a sign-in. Any other key remains good.
+         */
+        delete: operations["DeleteSignIn"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sign-in/device": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start device sign in
+         * @description Begins a sign-in of a program without a browser (RFC 8628).
+         */
+        post: operations["StartDeviceSignIn"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sign-in/start": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start sign in
+         * @description The address of the provider to which a browser goes. It returns to `/sign-in` of the server's public address, with `code` and `state`.
+         */
+        post: operations["StartSignIn"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/trash/captures": {
         parameters: {
             query?: never;
@@ -1255,6 +1343,21 @@ export interface components {
             /** @description One slot for each instance of the rollout; empty: only slot 0. */
             slots?: number[];
         };
+        Caller: {
+            /**
+             * Format: date-time
+             * @description The key is refused from this time on; absent: never.
+             */
+            expire_time: string | null;
+            /** @description True if the key comes from a sign-in. */
+            is_sign_in: boolean;
+            /** @description keys/{uuid}; empty without a key. */
+            key: string;
+            /** @description Owner of what the caller makes: `local` with the client token, empty where the server requires none. */
+            owner: string;
+            /** @description Scopes of the caller, sorted. */
+            scopes: string[];
+        };
         Capsule: {
             /** @description Ends of the axis, three numbers each. */
             from?: number[];
@@ -1602,6 +1705,22 @@ export interface components {
             /** @description Only captures whose report has this verdict; empty: any. */
             verdict?: string;
         };
+        /** @description Either `code`, `code_verifier` and `nonce`, or `device_code`. */
+        CreateSignInRequest: {
+            /** @description Code that the provider gave to the browser. */
+            code?: string;
+            /** @description Secret of which StartSignIn got the hash: 43 characters of base64url. */
+            code_verifier?: string;
+            /** @description Code of StartDeviceSignIn. */
+            device_code?: string;
+            /** @description That from StartSignIn. */
+            nonce?: string;
+        };
+        CreateSignInResponse: {
+            key: components["schemas"]["Key"];
+            /** @description The key itself, as clients present it. */
+            secret_key: string;
+        };
         /** @description A box aligned with the axes. */
         Cuboid: {
             high?: number[];
@@ -1879,6 +1998,8 @@ export interface components {
              * @description The key is refused from this time on; absent: never.
              */
             expire_time: string | null;
+            /** @description True if a person got the key by signing in. */
+            is_sign_in: boolean;
             /**
              * Format: date-time
              * @description Last use, accurate to about a minute; absent if the key has not been used.
@@ -2829,11 +2950,48 @@ export interface components {
             /** @description Shapes with [S] in front for S slots; InitialState.given accepts it unchanged. */
             states?: components["schemas"]["InitialState.GivenState"];
         };
+        SignInOptions: {
+            /** @description Name of the provider, for people. */
+            display_name: string;
+            /** @description False where the server has no identity provider. */
+            enabled: boolean;
+        };
         Sphere: {
             /** @description Centre, three numbers; absent: the origin. */
             center?: number[];
             /** Format: float */
             radius_m?: number;
+        };
+        StartDeviceSignInResponse: {
+            /** @description Shown in CreateSignIn. A secret. */
+            device_code: string;
+            /**
+             * Format: double
+             * @description Time after which the code is not accepted any more [s].
+             */
+            expires_in_s: number;
+            /**
+             * Format: double
+             * @description Least time between two attempts [s].
+             */
+            interval_s: number;
+            /** @description What the person enters at the provider. */
+            user_code: string;
+            /** @description Where. */
+            verification_uri: string;
+            /** @description The same with the code in it; empty if the provider has none. */
+            verification_uri_complete: string;
+        };
+        StartSignInRequest: {
+            /** @description SHA-256 of the code verifier, base64url (RFC 7636, S256). */
+            code_challenge: string;
+            /** @description Random text that the ID token has to contain: 43 characters of base64url. */
+            nonce: string;
+            /** @description Random text of the browser, which the provider returns: 43 characters of base64url. */
+            state: string;
+        };
+        StartSignInResponse: {
+            authorization_url: string;
         };
         StepSessionRequest: {
             /** @description The correction, without name and slots, which are given above. Absent: nothing is corrected. */
@@ -3348,6 +3506,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Readiness"];
+                };
+            };
+        };
+    };
+    GetCaller: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Caller"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
                 };
             };
         };
@@ -5299,6 +5486,121 @@ export interface operations {
                 };
                 content: {
                     "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetSignInOptions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SignInOptions"];
+                };
+            };
+        };
+    };
+    CreateSignIn: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CreateSignInRequest"];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CreateSignInResponse"];
+                };
+            };
+        };
+    };
+    DeleteSignIn: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    StartDeviceSignIn: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartDeviceSignInResponse"];
+                };
+            };
+        };
+    };
+    StartSignIn: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartSignInRequest"];
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartSignInResponse"];
                 };
             };
         };

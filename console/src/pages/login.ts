@@ -1,4 +1,5 @@
 import { Problem } from '../api/client';
+import { beginSignIn, endSignIn, hasReturned } from '../api/sign_in';
 import { setToken } from '../api/token';
 import type { OpenPage, PageContext } from '../page';
 import { h } from '../ui/dom';
@@ -6,7 +7,7 @@ import { command } from '../ui/empty';
 import { field } from '../ui/form';
 import { problemBox } from '../ui/problem';
 
-/** The page that asks for the token, and then leads back to where one was. */
+/** The page that lets people sign in, or asks for the token, and then leads back to where one was. */
 export const open: OpenPage = (context) => {
   context.setTitle('Log in');
   const input = h('input', {
@@ -28,14 +29,62 @@ export const open: OpenPage = (context) => {
   const form = h(
     'form',
     { class: 'login', onsubmit: (event) => void submit(event) },
-    h('p', {}, 'This server requires its token. The page keeps it until this tab is closed.'),
+    h('p', {}, 'This server requires its token or a key. The page keeps it until this tab is closed.'),
     field('Token', input, 'The token is in the file client-token in the data folder of the server. For the default folder:'),
     command('cat bendtwin-data/client-token'),
     fault,
     h('div', { class: 'buttons' }, button),
   );
-  return { element: form };
+  const signIn = h('div', { class: 'login' });
+  void (hasReturned() ? endHere(context, signIn) : offer(context, signIn));
+  return { element: h('div', {}, signIn, form) };
 };
+
+/** Shows the button of the identity provider, if the server has one. */
+async function offer(context: PageContext, place: HTMLElement): Promise<void> {
+  const { api, signal } = context;
+  try {
+    const { enabled, display_name } = await api.get('/v1/sign-in', { signal });
+    if (!enabled || signal.aborted) return;
+    const ended = context.query.get('ended') !== null;
+    const fault = h('div');
+    const button = h('button', { type: 'button', class: 'primary' }, 'Sign in with ', h('bdi', {}, display_name ?? ''));
+    button.addEventListener('click', () => void leave(button, fault, () => beginSignIn(api, next(context.query), signal), signal));
+    place.append(
+      ended ? h('p', { role: 'status' }, 'Your sign-in has ended. Sign in again.') : '',
+      h('div', { class: 'buttons' }, button),
+      fault,
+    );
+  } catch {
+    // The token still lets people in; the banner says if the server does not answer.
+  }
+}
+
+/** Does what leaves the page, and shows why that failed. */
+async function leave(button: HTMLButtonElement, fault: HTMLElement, doing: () => Promise<void>, signal: AbortSignal): Promise<void> {
+  button.disabled = true;
+  try {
+    await doing();
+  } catch (error) {
+    if (!signal.aborted) fault.replaceChildren(problemBox(error));
+    button.disabled = false;
+  }
+}
+
+/** Ends the sign-in from which the browser has come back. */
+async function endHere(context: PageContext, place: HTMLElement): Promise<void> {
+  const { api, signal } = context;
+  place.replaceChildren(h('p', { role: 'status' }, 'Signing in…'));
+  try {
+    const { key, next } = await endSignIn(api, signal);
+    setToken(key);
+    context.navigate(next);
+  } catch (error) {
+    if (signal.aborted) return;
+    place.replaceChildren(problemBox(error));
+    await offer(context, place);
+  }
+}
 
 /** Tries a token and continues with it; otherwise returns the box that shows the fault. */
 async function faults(context: PageContext, shown: string): Promise<HTMLElement[]> {

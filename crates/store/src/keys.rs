@@ -2,7 +2,10 @@
 //! scopes is for others to decide.
 
 pub(crate) mod quotas;
+mod sign_ins;
 pub(crate) mod usage;
+
+pub use sign_ins::SignedIn;
 
 use bendtwin_core::ids::KeyId;
 use jiff::Timestamp;
@@ -37,6 +40,8 @@ pub struct Key {
     pub revoked: Option<Timestamp>,
     /// Time of its last use, to about a minute.
     pub used: Option<Timestamp>,
+    /// The person who got it by signing in; none for a key that somebody made.
+    pub signed_in_as: Option<String>,
 }
 
 /// A key to be stored.
@@ -56,6 +61,8 @@ pub struct NewKey {
     pub quotas: Quotas,
     /// Time from which it is not accepted any more, if there is one.
     pub expires: Option<Timestamp>,
+    /// The person who signs in, as the identity provider names them; none for other keys.
+    pub signed_in_as: Option<String>,
 }
 
 /// The keys of a store.
@@ -81,6 +88,7 @@ row! {
         max_running_jobs: Option<i64>,
         max_fit_run_s: Option<i64>,
         max_priority: Option<i64>,
+        signed_in_as: Option<String>,
     }
 }
 
@@ -108,6 +116,7 @@ impl TryFrom<Row> for Key {
             expires: row.expires_at.map(from_micros),
             revoked: row.revoked_at.map(from_micros),
             used: row.used_at.map(from_micros),
+            signed_in_as: row.signed_in_as,
             display_name: row.display_name,
             owner: row.owner,
         })
@@ -121,35 +130,10 @@ impl Keys<'_> {
     /// [`Error::DiskFull`], database errors.
     pub async fn create(&self, new: NewKey) -> Result<Key> {
         self.store.admit()?;
-        let bound = |n: Option<u64>| n.map(quotas::as_integer);
-        let mut scopes = new.scopes;
-        scopes.sort();
-        scopes.dedup();
         let mut tx = self.store.inner.database.write().await?;
-        let row: Row = query(
-            "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
-                 max_queued_jobs, max_stored_bytes, max_rollouts, max_running_jobs, max_fit_run_s,
-                 max_priority)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13) returning *",
-        )
-        .bind(new.id.uuid().to_string())
-        .bind(new.display_name)
-        .bind(new.owner)
-        .bind(new.hash.to_hex().as_str())
-        // A list of words always serialises.
-        .bind(serde_json::to_string(&scopes).unwrap_or_default())
-        .bind(self.store.now_micros())
-        .bind(new.expires.map(micros))
-        .bind(bound(new.quotas.queued_jobs))
-        .bind(bound(new.quotas.stored_bytes))
-        .bind(bound(new.quotas.rollouts))
-        .bind(bound(new.quotas.running_jobs))
-        .bind(bound(new.quotas.fit_run_s))
-        .bind(new.quotas.priority.map(i64::from))
-        .fetch_one(&mut tx)
-        .await?;
+        let key = insert(&mut tx, new, self.store.now_micros()).await?;
         tx.commit().await?;
-        row.try_into()
+        Ok(key)
     }
 
     /// Returns a key.
@@ -223,6 +207,42 @@ impl Keys<'_> {
         tx.commit().await?;
         Ok(())
     }
+}
+
+/// Stores a key with this time of creation.
+async fn insert(tx: &mut Transaction, new: NewKey, now: i64) -> Result<Key> {
+    let bound = |n: Option<u64>| n.map(quotas::as_integer);
+    let row: Row = query(
+        "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
+             max_queued_jobs, max_stored_bytes, max_rollouts, max_running_jobs, max_fit_run_s,
+             max_priority, signed_in_as)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14) returning *",
+    )
+    .bind(new.id.uuid().to_string())
+    .bind(new.display_name)
+    .bind(new.owner)
+    .bind(new.hash.to_hex().as_str())
+    .bind(stored_scopes(new.scopes))
+    .bind(now)
+    .bind(new.expires.map(micros))
+    .bind(bound(new.quotas.queued_jobs))
+    .bind(bound(new.quotas.stored_bytes))
+    .bind(bound(new.quotas.rollouts))
+    .bind(bound(new.quotas.running_jobs))
+    .bind(bound(new.quotas.fit_run_s))
+    .bind(new.quotas.priority.map(i64::from))
+    .bind(new.signed_in_as)
+    .fetch_one(&mut *tx)
+    .await?;
+    row.try_into()
+}
+
+/// Text of a set of scopes in its column, which is equal for equal sets.
+fn stored_scopes(mut scopes: Vec<String>) -> String {
+    scopes.sort();
+    scopes.dedup();
+    // A list of words always serialises.
+    serde_json::to_string(&scopes).unwrap_or_default()
 }
 
 /// Records a use, unless a later one is recorded.

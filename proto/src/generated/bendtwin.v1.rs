@@ -6415,6 +6415,9 @@ pub struct Key {
     pub last_use_time: ::core::option::Option<::prost_types::Timestamp>,
     #[prost(message, optional, tag = "9")]
     pub quotas: ::core::option::Option<KeyQuotas>,
+    /// True if a person got the key by signing in.
+    #[prost(bool, tag = "10")]
+    pub is_sign_in: bool,
 }
 /// Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no
 /// bound but the server's default, unless it says otherwise.
@@ -8120,6 +8123,798 @@ pub mod usage_service_server {
     /// Generated gRPC service name
     pub const SERVICE_NAME: &str = "bendtwin.v1.UsageService";
     impl<T> tonic::server::NamedService for UsageServiceServer<T> {
+        const NAME: &'static str = SERVICE_NAME;
+    }
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetSignInOptionsRequest {}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct SignInOptions {
+    /// False where the server has no identity provider.
+    #[prost(bool, tag = "1")]
+    pub enabled: bool,
+    /// Name of the provider, for people.
+    #[prost(string, tag = "2")]
+    pub display_name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct StartSignInRequest {
+    /// Random text of the browser, which the provider returns: 43 characters of base64url.
+    #[prost(string, tag = "1")]
+    pub state: ::prost::alloc::string::String,
+    /// Random text that the ID token has to contain: 43 characters of base64url.
+    #[prost(string, tag = "2")]
+    pub nonce: ::prost::alloc::string::String,
+    /// SHA-256 of the code verifier, base64url (RFC 7636, S256).
+    #[prost(string, tag = "3")]
+    pub code_challenge: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct StartSignInResponse {
+    #[prost(string, tag = "1")]
+    pub authorization_url: ::prost::alloc::string::String,
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct StartDeviceSignInRequest {}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct StartDeviceSignInResponse {
+    /// Shown in CreateSignIn. A secret.
+    #[prost(string, tag = "1")]
+    pub device_code: ::prost::alloc::string::String,
+    /// What the person enters at the provider.
+    #[prost(string, tag = "2")]
+    pub user_code: ::prost::alloc::string::String,
+    /// Where.
+    #[prost(string, tag = "3")]
+    pub verification_uri: ::prost::alloc::string::String,
+    /// The same with the code in it; empty if the provider has none.
+    #[prost(string, tag = "4")]
+    pub verification_uri_complete: ::prost::alloc::string::String,
+    /// Least time between two attempts \[s\].
+    #[prost(double, tag = "5")]
+    pub interval_s: f64,
+    /// Time after which the code is not accepted any more \[s\].
+    #[prost(double, tag = "6")]
+    pub expires_in_s: f64,
+}
+/// Either `code`, `code_verifier` and `nonce`, or `device_code`.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct CreateSignInRequest {
+    /// Code that the provider gave to the browser.
+    #[prost(string, tag = "1")]
+    pub code: ::prost::alloc::string::String,
+    /// Secret of which StartSignIn got the hash: 43 characters of base64url.
+    #[prost(string, tag = "2")]
+    pub code_verifier: ::prost::alloc::string::String,
+    /// That from StartSignIn.
+    #[prost(string, tag = "3")]
+    pub nonce: ::prost::alloc::string::String,
+    /// Code of StartDeviceSignIn.
+    #[prost(string, tag = "4")]
+    pub device_code: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct CreateSignInResponse {
+    #[prost(message, optional, tag = "1")]
+    pub key: ::core::option::Option<Key>,
+    /// The key itself, as clients present it.
+    #[prost(string, tag = "2")]
+    pub secret_key: ::prost::alloc::string::String,
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteSignInRequest {}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteSignInResponse {}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetCallerRequest {}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct Caller {
+    /// Owner of what the caller makes: `local` with the client token, empty where the server requires none.
+    #[prost(string, tag = "1")]
+    pub owner: ::prost::alloc::string::String,
+    /// Scopes of the caller, sorted.
+    #[prost(string, repeated, tag = "2")]
+    pub scopes: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    /// keys/{uuid}; empty without a key.
+    #[prost(string, tag = "3")]
+    pub key: ::prost::alloc::string::String,
+    /// True if the key comes from a sign-in.
+    #[prost(bool, tag = "4")]
+    pub is_sign_in: bool,
+    /// The key is refused from this time on; absent: never.
+    #[prost(message, optional, tag = "5")]
+    pub expire_time: ::core::option::Option<::prost_types::Timestamp>,
+}
+/// Generated client implementations.
+pub mod sign_in_service_client {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    use tonic::codegen::http::Uri;
+    /// Sign-in of people with the identity provider of their organisation (OpenID Connect). The result is a key with an
+    /// expiry. The server keeps nothing about a sign-in that has begun.
+    #[derive(Debug, Clone)]
+    pub struct SignInServiceClient<T> {
+        inner: tonic::client::Grpc<T>,
+    }
+    impl SignInServiceClient<tonic::transport::Channel> {
+        /// Attempt to create a new client by connecting to a given endpoint.
+        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
+        where
+            D: TryInto<tonic::transport::Endpoint>,
+            D::Error: Into<StdError>,
+        {
+            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
+            Ok(Self::new(conn))
+        }
+    }
+    impl<T> SignInServiceClient<T>
+    where
+        T: tonic::client::GrpcService<tonic::body::Body>,
+        T::Error: Into<StdError>,
+        T::ResponseBody: Body<Data = Bytes> + std::marker::Send + 'static,
+        <T::ResponseBody as Body>::Error: Into<StdError> + std::marker::Send,
+    {
+        pub fn new(inner: T) -> Self {
+            let inner = tonic::client::Grpc::new(inner);
+            Self { inner }
+        }
+        pub fn with_origin(inner: T, origin: Uri) -> Self {
+            let inner = tonic::client::Grpc::with_origin(inner, origin);
+            Self { inner }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> SignInServiceClient<InterceptedService<T, F>>
+        where
+            F: tonic::service::Interceptor,
+            T::ResponseBody: Default,
+            T: tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+                Response = http::Response<
+                    <T as tonic::client::GrpcService<tonic::body::Body>>::ResponseBody,
+                >,
+            >,
+            <T as tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+            >>::Error: Into<StdError> + std::marker::Send + std::marker::Sync,
+        {
+            SignInServiceClient::new(InterceptedService::new(inner, interceptor))
+        }
+        /// Compress requests with the given encoding.
+        ///
+        /// This requires the server to support it otherwise it might respond with an
+        /// error.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.send_compressed(encoding);
+            self
+        }
+        /// Enable decompressing responses.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.accept_compressed(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_decoding_message_size(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_encoding_message_size(limit);
+            self
+        }
+        /// Whether people can sign in, and what the button says. The provider is not asked.
+        pub async fn get_sign_in_options(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetSignInOptionsRequest>,
+        ) -> std::result::Result<tonic::Response<super::SignInOptions>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SignInService/GetSignInOptions",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.SignInService", "GetSignInOptions"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        /// The address of the provider to which a browser goes. It returns to `/sign-in` of the server's public address,
+        /// with `code` and `state`.
+        pub async fn start_sign_in(
+            &mut self,
+            request: impl tonic::IntoRequest<super::StartSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::StartSignInResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SignInService/StartSignIn",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SignInService", "StartSignIn"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// Begins a sign-in of a program without a browser (RFC 8628).
+        pub async fn start_device_sign_in(
+            &mut self,
+            request: impl tonic::IntoRequest<super::StartDeviceSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::StartDeviceSignInResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SignInService/StartDeviceSignIn",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.SignInService", "StartDeviceSignIn"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+        /// Ends a sign-in that has begun: the key of the person, whose text is only in this reply. A sign-in of a device
+        /// that the person has not confirmed yet is refused with SIGN_IN_PENDING and a delay for the next attempt.
+        pub async fn create_sign_in(
+            &mut self,
+            request: impl tonic::IntoRequest<super::CreateSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::CreateSignInResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SignInService/CreateSignIn",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SignInService", "CreateSignIn"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// Signs out: revokes the key that the call shows if it comes from a sign-in. Any other key remains good.
+        pub async fn delete_sign_in(
+            &mut self,
+            request: impl tonic::IntoRequest<super::DeleteSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::DeleteSignInResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SignInService/DeleteSignIn",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SignInService", "DeleteSignIn"));
+            self.inner.unary(req, path, codec).await
+        }
+        /// The caller, as the server knows it.
+        pub async fn get_caller(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetCallerRequest>,
+        ) -> std::result::Result<tonic::Response<super::Caller>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SignInService/GetCaller",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SignInService", "GetCaller"));
+            self.inner.unary(req, path, codec).await
+        }
+    }
+}
+/// Generated server implementations.
+pub mod sign_in_service_server {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    /// Generated trait containing gRPC methods that should be implemented for use with SignInServiceServer.
+    #[async_trait]
+    pub trait SignInService: std::marker::Send + std::marker::Sync + 'static {
+        /// Whether people can sign in, and what the button says. The provider is not asked.
+        async fn get_sign_in_options(
+            &self,
+            request: tonic::Request<super::GetSignInOptionsRequest>,
+        ) -> std::result::Result<tonic::Response<super::SignInOptions>, tonic::Status>;
+        /// The address of the provider to which a browser goes. It returns to `/sign-in` of the server's public address,
+        /// with `code` and `state`.
+        async fn start_sign_in(
+            &self,
+            request: tonic::Request<super::StartSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::StartSignInResponse>,
+            tonic::Status,
+        >;
+        /// Begins a sign-in of a program without a browser (RFC 8628).
+        async fn start_device_sign_in(
+            &self,
+            request: tonic::Request<super::StartDeviceSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::StartDeviceSignInResponse>,
+            tonic::Status,
+        >;
+        /// Ends a sign-in that has begun: the key of the person, whose text is only in this reply. A sign-in of a device
+        /// that the person has not confirmed yet is refused with SIGN_IN_PENDING and a delay for the next attempt.
+        async fn create_sign_in(
+            &self,
+            request: tonic::Request<super::CreateSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::CreateSignInResponse>,
+            tonic::Status,
+        >;
+        /// Signs out: revokes the key that the call shows if it comes from a sign-in. Any other key remains good.
+        async fn delete_sign_in(
+            &self,
+            request: tonic::Request<super::DeleteSignInRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::DeleteSignInResponse>,
+            tonic::Status,
+        >;
+        /// The caller, as the server knows it.
+        async fn get_caller(
+            &self,
+            request: tonic::Request<super::GetCallerRequest>,
+        ) -> std::result::Result<tonic::Response<super::Caller>, tonic::Status>;
+    }
+    /// Sign-in of people with the identity provider of their organisation (OpenID Connect). The result is a key with an
+    /// expiry. The server keeps nothing about a sign-in that has begun.
+    #[derive(Debug)]
+    pub struct SignInServiceServer<T> {
+        inner: Arc<T>,
+        accept_compression_encodings: EnabledCompressionEncodings,
+        send_compression_encodings: EnabledCompressionEncodings,
+        max_decoding_message_size: Option<usize>,
+        max_encoding_message_size: Option<usize>,
+    }
+    impl<T> SignInServiceServer<T> {
+        pub fn new(inner: T) -> Self {
+            Self::from_arc(Arc::new(inner))
+        }
+        pub fn from_arc(inner: Arc<T>) -> Self {
+            Self {
+                inner,
+                accept_compression_encodings: Default::default(),
+                send_compression_encodings: Default::default(),
+                max_decoding_message_size: None,
+                max_encoding_message_size: None,
+            }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> InterceptedService<Self, F>
+        where
+            F: tonic::service::Interceptor,
+        {
+            InterceptedService::new(Self::new(inner), interceptor)
+        }
+        /// Enable decompressing requests with the given encoding.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.accept_compression_encodings.enable(encoding);
+            self
+        }
+        /// Compress responses with the given encoding, if the client supports it.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.send_compression_encodings.enable(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.max_decoding_message_size = Some(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.max_encoding_message_size = Some(limit);
+            self
+        }
+    }
+    impl<T, B> tonic::codegen::Service<http::Request<B>> for SignInServiceServer<T>
+    where
+        T: SignInService,
+        B: Body + std::marker::Send + 'static,
+        B::Error: Into<StdError> + std::marker::Send + 'static,
+    {
+        type Response = http::Response<tonic::body::Body>;
+        type Error = std::convert::Infallible;
+        type Future = BoxFuture<Self::Response, Self::Error>;
+        fn poll_ready(
+            &mut self,
+            _cx: &mut Context<'_>,
+        ) -> Poll<std::result::Result<(), Self::Error>> {
+            Poll::Ready(Ok(()))
+        }
+        fn call(&mut self, req: http::Request<B>) -> Self::Future {
+            match req.uri().path() {
+                "/bendtwin.v1.SignInService/GetSignInOptions" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetSignInOptionsSvc<T: SignInService>(pub Arc<T>);
+                    impl<
+                        T: SignInService,
+                    > tonic::server::UnaryService<super::GetSignInOptionsRequest>
+                    for GetSignInOptionsSvc<T> {
+                        type Response = super::SignInOptions;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetSignInOptionsRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SignInService>::get_sign_in_options(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetSignInOptionsSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SignInService/StartSignIn" => {
+                    #[allow(non_camel_case_types)]
+                    struct StartSignInSvc<T: SignInService>(pub Arc<T>);
+                    impl<
+                        T: SignInService,
+                    > tonic::server::UnaryService<super::StartSignInRequest>
+                    for StartSignInSvc<T> {
+                        type Response = super::StartSignInResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::StartSignInRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SignInService>::start_sign_in(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = StartSignInSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SignInService/StartDeviceSignIn" => {
+                    #[allow(non_camel_case_types)]
+                    struct StartDeviceSignInSvc<T: SignInService>(pub Arc<T>);
+                    impl<
+                        T: SignInService,
+                    > tonic::server::UnaryService<super::StartDeviceSignInRequest>
+                    for StartDeviceSignInSvc<T> {
+                        type Response = super::StartDeviceSignInResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::StartDeviceSignInRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SignInService>::start_device_sign_in(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = StartDeviceSignInSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SignInService/CreateSignIn" => {
+                    #[allow(non_camel_case_types)]
+                    struct CreateSignInSvc<T: SignInService>(pub Arc<T>);
+                    impl<
+                        T: SignInService,
+                    > tonic::server::UnaryService<super::CreateSignInRequest>
+                    for CreateSignInSvc<T> {
+                        type Response = super::CreateSignInResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::CreateSignInRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SignInService>::create_sign_in(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = CreateSignInSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SignInService/DeleteSignIn" => {
+                    #[allow(non_camel_case_types)]
+                    struct DeleteSignInSvc<T: SignInService>(pub Arc<T>);
+                    impl<
+                        T: SignInService,
+                    > tonic::server::UnaryService<super::DeleteSignInRequest>
+                    for DeleteSignInSvc<T> {
+                        type Response = super::DeleteSignInResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::DeleteSignInRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SignInService>::delete_sign_in(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = DeleteSignInSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SignInService/GetCaller" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetCallerSvc<T: SignInService>(pub Arc<T>);
+                    impl<
+                        T: SignInService,
+                    > tonic::server::UnaryService<super::GetCallerRequest>
+                    for GetCallerSvc<T> {
+                        type Response = super::Caller;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetCallerRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SignInService>::get_caller(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetCallerSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                _ => {
+                    Box::pin(async move {
+                        let mut response = http::Response::new(
+                            tonic::body::Body::default(),
+                        );
+                        let headers = response.headers_mut();
+                        headers
+                            .insert(
+                                tonic::Status::GRPC_STATUS,
+                                (tonic::Code::Unimplemented as i32).into(),
+                            );
+                        headers
+                            .insert(
+                                http::header::CONTENT_TYPE,
+                                tonic::metadata::GRPC_CONTENT_TYPE,
+                            );
+                        Ok(response)
+                    })
+                }
+            }
+        }
+    }
+    impl<T> Clone for SignInServiceServer<T> {
+        fn clone(&self) -> Self {
+            let inner = self.inner.clone();
+            Self {
+                inner,
+                accept_compression_encodings: self.accept_compression_encodings,
+                send_compression_encodings: self.send_compression_encodings,
+                max_decoding_message_size: self.max_decoding_message_size,
+                max_encoding_message_size: self.max_encoding_message_size,
+            }
+        }
+    }
+    /// Generated gRPC service name
+    pub const SERVICE_NAME: &str = "bendtwin.v1.SignInService";
+    impl<T> tonic::server::NamedService for SignInServiceServer<T> {
         const NAME: &'static str = SERVICE_NAME;
     }
 }

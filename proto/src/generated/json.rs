@@ -2181,7 +2181,7 @@ written!(crate::v1::ListWorkersResponse);
 
 impl Fields for crate::v1::Key {
     const NAME: &'static str = "Key";
-    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas"];
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas", "is_sign_in"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -2195,6 +2195,7 @@ impl Fields for crate::v1::Key {
 6 => { self.revoke_time = time(map)?; }
 7 => { self.last_use_time = time(map)?; }
 8 => { self.quotas = message(map)?; }
+9 => { self.is_sign_in = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -2211,6 +2212,7 @@ map.serialize_entry("expire_time", &self.expire_time.map(Time))?;
 map.serialize_entry("revoke_time", &self.revoke_time.map(Time))?;
 map.serialize_entry("last_use_time", &self.last_use_time.map(Time))?;
 write_message(map, "quotas", Some(self.quotas.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("is_sign_in", &self.is_sign_in)?;
 
         Ok(())
     }
@@ -2734,6 +2736,292 @@ map.serialize_entry("next_page_token", &self.next_page_token)?;
     }
 }
 written!(crate::v1::ListOwnerUsageResponse);
+
+impl Fields for crate::v1::GetSignInOptionsRequest {
+    const NAME: &'static str = "GetSignInOptionsRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetSignInOptionsRequest);
+
+impl Fields for crate::v1::SignInOptions {
+    const NAME: &'static str = "SignInOptions";
+    const FIELDS: &'static [&'static str] = &["enabled", "display_name"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.enabled = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("enabled", &self.enabled)?;
+map.serialize_entry("display_name", &self.display_name)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::SignInOptions);
+
+impl Fields for crate::v1::StartSignInRequest {
+    const NAME: &'static str = "StartSignInRequest";
+    const FIELDS: &'static [&'static str] = &["state", "nonce", "code_challenge"];
+    const REQUIRED: &'static [&'static str] = &["state", "nonce", "code_challenge"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.state = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.nonce = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.code_challenge = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("state", &self.state)?;
+map.serialize_entry("nonce", &self.nonce)?;
+map.serialize_entry("code_challenge", &self.code_challenge)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::StartSignInRequest);
+
+impl Fields for crate::v1::StartSignInResponse {
+    const NAME: &'static str = "StartSignInResponse";
+    const FIELDS: &'static [&'static str] = &["authorization_url"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.authorization_url = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("authorization_url", &self.authorization_url)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::StartSignInResponse);
+
+impl Fields for crate::v1::StartDeviceSignInRequest {
+    const NAME: &'static str = "StartDeviceSignInRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::StartDeviceSignInRequest);
+
+impl Fields for crate::v1::StartDeviceSignInResponse {
+    const NAME: &'static str = "StartDeviceSignInResponse";
+    const FIELDS: &'static [&'static str] = &["device_code", "user_code", "verification_uri", "verification_uri_complete", "interval_s", "expires_in_s"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.device_code = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.user_code = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.verification_uri = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.verification_uri_complete = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.interval_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.expires_in_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("device_code", &self.device_code)?;
+map.serialize_entry("user_code", &self.user_code)?;
+map.serialize_entry("verification_uri", &self.verification_uri)?;
+map.serialize_entry("verification_uri_complete", &self.verification_uri_complete)?;
+map.serialize_entry("interval_s", &self.interval_s)?;
+map.serialize_entry("expires_in_s", &self.expires_in_s)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::StartDeviceSignInResponse);
+
+impl Fields for crate::v1::CreateSignInRequest {
+    const NAME: &'static str = "CreateSignInRequest";
+    const FIELDS: &'static [&'static str] = &["code", "code_verifier", "nonce", "device_code"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.code = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.code_verifier = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.nonce = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.device_code = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("code", &self.code)?;
+map.serialize_entry("code_verifier", &self.code_verifier)?;
+map.serialize_entry("nonce", &self.nonce)?;
+map.serialize_entry("device_code", &self.device_code)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::CreateSignInRequest);
+
+impl Fields for crate::v1::CreateSignInResponse {
+    const NAME: &'static str = "CreateSignInResponse";
+    const FIELDS: &'static [&'static str] = &["key", "secret_key"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.key = message(map)?; }
+1 => { self.secret_key = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "key", Some(self.key.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("secret_key", &self.secret_key)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::CreateSignInResponse);
+
+impl Fields for crate::v1::DeleteSignInRequest {
+    const NAME: &'static str = "DeleteSignInRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteSignInRequest);
+
+impl Fields for crate::v1::DeleteSignInResponse {
+    const NAME: &'static str = "DeleteSignInResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteSignInResponse);
+
+impl Fields for crate::v1::GetCallerRequest {
+    const NAME: &'static str = "GetCallerRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetCallerRequest);
+
+impl Fields for crate::v1::Caller {
+    const NAME: &'static str = "Caller";
+    const FIELDS: &'static [&'static str] = &["owner", "scopes", "key", "is_sign_in", "expire_time"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.scopes = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.key = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.is_sign_in = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.expire_time = time(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("scopes", &self.scopes)?;
+map.serialize_entry("key", &self.key)?;
+map.serialize_entry("is_sign_in", &self.is_sign_in)?;
+map.serialize_entry("expire_time", &self.expire_time.map(Time))?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::Caller);
 
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";

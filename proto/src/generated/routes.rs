@@ -108,6 +108,18 @@ Rpc { path: "/bendtwin.v1.UsageService/GetUsage", scope: Scope::Anyone, audited:
     Route { method: "GET", path: "/v1/usage", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetUsageRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::OwnerUsage>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.UsageService/ListOwnerUsage", scope: Scope::Admin, audited: false, routes: &[
     Route { method: "GET", path: "/v1/usage/owners", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListOwnerUsageRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListOwnerUsageResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.SignInService/GetSignInOptions", scope: Scope::Open, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/sign-in", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetSignInOptionsRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::SignInOptions>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.SignInService/StartSignIn", scope: Scope::Open, audited: false, routes: &[
+    Route { method: "POST", path: "/v1/sign-in/start", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::StartSignInRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::StartSignInResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.SignInService/StartDeviceSignIn", scope: Scope::Open, audited: false, routes: &[
+    Route { method: "POST", path: "/v1/sign-in/device", status: 200, secret: true, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::StartDeviceSignInRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::StartDeviceSignInResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.SignInService/CreateSignIn", scope: Scope::Open, audited: true, routes: &[
+    Route { method: "POST", path: "/v1/sign-in", status: 201, secret: true, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::CreateSignInRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::CreateSignInResponse>(reply, Some(|message| message.key.as_ref().map(|made| &made.name))) }) },] },
+Rpc { path: "/bendtwin.v1.SignInService/DeleteSignIn", scope: Scope::Anyone, audited: true, routes: &[
+    Route { method: "DELETE", path: "/v1/sign-in", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::DeleteSignInRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::DeleteSignInResponse>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.SignInService/GetCaller", scope: Scope::Anyone, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/caller", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetCallerRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::Caller>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.RolloutService/RollOut", scope: Scope::RolloutsRun, audited: false, routes: &[
     Route { method: "POST", path: "/v1/twins/{id}/rollouts", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.RolloutService/StreamRollOut", scope: Scope::RolloutsRun, audited: false, routes: &[

@@ -22,7 +22,7 @@ const PROTOBUF: &str = "application/x-protobuf";
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
 
 /// Tags by service.
-const TAGS: [(&str, &str); 14] = [
+const TAGS: [(&str, &str); 15] = [
     ("CaptureService", "captures"),
     ("FitService", "fits"),
     ("TwinService", "twins"),
@@ -36,6 +36,7 @@ const TAGS: [(&str, &str); 14] = [
     ("KeyService", "keys"),
     ("ProjectService", "projects"),
     ("UsageService", "usage"),
+    ("SignInService", "sign-in"),
     ("WorkerService", "workers"),
 ];
 

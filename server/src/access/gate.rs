@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
-use bendtwin_store::Store;
+use bendtwin_store::{Key, Store};
 
 use super::{
     Caller, InFlight, KeyRing,
@@ -68,12 +68,14 @@ impl Gate {
         let found = found.key;
         if found.revoked.is_some() {
             let what = format!("{} was revoked", found.id);
-            let refusal = refused(Category::Unauthenticated, "KEY_REVOKED", what);
+            let refusal = signed_out(&found, &what)
+                .unwrap_or_else(|| refused(Category::Unauthenticated, "KEY_REVOKED", what));
             return Err(Denial { refusal, of: Some(caller) });
         }
         if let Some(end) = found.expires.filter(|end| *end <= self.store.now()) {
             let what = format!("{} expired at {end:.0}", found.id);
-            let refusal = refused(Category::Unauthenticated, "KEY_EXPIRED", what);
+            let refusal = signed_out(&found, &what)
+                .unwrap_or_else(|| refused(Category::Unauthenticated, "KEY_EXPIRED", what));
             return Err(Denial { refusal, of: Some(caller) });
         }
         self.keys.note_use(&found);
@@ -116,6 +118,19 @@ impl From<Refusal> for Denial {
     }
 }
 
+/// Refusal of the key of a sign-in that has ended; none for another key.
+fn signed_out(key: &Key, what: &str) -> Option<Refusal> {
+    key.signed_in_as.as_ref()?;
+    Some(Refusal::new(Fault {
+        category: Category::Unauthenticated,
+        reason: "SIGN_IN_ENDED".to_owned(),
+        message: format!(
+            "the sign-in {what}: sign in again, with `bendtwin login` or on the login page of the \
+             console"
+        ),
+    }))
+}
+
 fn refused(category: Category, reason: &str, what: String) -> Refusal {
     Refusal::new(Fault {
         category,
@@ -123,3 +138,6 @@ fn refused(category: Category, reason: &str, what: String) -> Refusal {
         message: format!("{what}: have another key made with `bendtwin key create`"),
     })
 }
+
+#[cfg(test)]
+mod tests;

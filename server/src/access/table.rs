@@ -28,9 +28,10 @@ pub enum Access {
 use Access::{Anyone, Open};
 
 /// Conditions of what the contract does not have: pages, the description, and services of others.
-const OTHERS: [(&str, Access); 10] = [
+const OTHERS: [(&str, Access); 11] = [
     ("GET /", Open),
     ("GET /assets/{file}", Open),
+    ("GET /sign-in", Open),
     ("GET /docs", Open),
     ("GET /guide.html", Open),
     ("GET /guide/{file}", Open),

@@ -16,6 +16,7 @@ fn with(scopes: &[&str]) -> Caller {
         expires: None,
         revoked: None,
         used: None,
+        signed_in_as: None,
     };
     let holder = Holder { key: Arc::new(key), memberships: Arc::default() };
     Caller::with_key(&holder, InFlight::default())

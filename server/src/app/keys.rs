@@ -3,6 +3,8 @@
 
 pub(super) mod usage;
 
+mod sign_ins;
+
 use bendtwin_core::ids::KeyId;
 use bendtwin_store::{Key, NewKey, Page, PageRequest, Quotas};
 use jiff::Timestamp;
@@ -12,6 +14,8 @@ use crate::{
     access::{Grant, MOST_PRIORITY, Scope, key},
     audit,
 };
+
+pub(crate) use sign_ins::WhoAmI;
 
 /// A requested key.
 #[derive(Clone, Debug, Default)]
@@ -49,6 +53,7 @@ impl App {
                 scopes,
                 quotas,
                 expires,
+                signed_in_as: None,
             };
             let store = self.store.clone();
             let key = self.change(async move { store.keys().create(new).await }).await?;

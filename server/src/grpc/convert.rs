@@ -311,6 +311,7 @@ pub(super) fn key(key: Key) -> v1::Key {
         revoke_time: key.revoked.map(time),
         last_use_time: key.used.map(time),
         quotas: Some(quotas),
+        is_sign_in: key.signed_in_as.is_some(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! `bendtwin.v1.KeyService`.
 
+mod sign_ins;
+
 use bendtwin_proto::v1::{
     CreateKeyRequest, CreateKeyResponse, DeleteKeyRequest, DeleteKeyResponse, GetKeyRequest, Key,
     ListKeysRequest, ListKeysResponse, key_service_server::KeyService,

@@ -45,12 +45,23 @@ const HEADERS: [(HeaderName, &str); 7] = [
 ];
 
 pub(super) fn router() -> Router<App> {
-    Router::new().route("/", get(file)).route("/assets/{file}", get(file))
+    Router::new()
+        .route("/", get(file))
+        // The page to which an identity provider sends a browser back.
+        .route("/sign-in", get(page))
+        .route("/assets/{file}", get(file))
 }
 
 async fn file(request: Request) -> Response {
     match ASSETS.get(request.uri().path()) {
         Some(asset) => asset.answer(request.uri().path(), request.headers()),
+        None => no_such_route().into_response(),
+    }
+}
+
+async fn page(request: Request) -> Response {
+    match ASSETS.get("/") {
+        Some(asset) => asset.answer("/", request.headers()),
         None => no_such_route().into_response(),
     }
 }

@@ -5,6 +5,7 @@ pub(super) mod keys;
 mod own;
 mod projects;
 mod requests;
+mod sign_in;
 mod usage;
 
 use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};

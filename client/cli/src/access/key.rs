@@ -26,9 +26,12 @@ enum Command {
         /// keys/{uuid}
         #[arg(required_unless_present = "owner")]
         names: Vec<KeyId>,
-        /// Revoke all keys of this owner, for example of a person who leaves
+        /// Revoke all keys of this owner, sign-ins included, for example of a person who leaves
         #[arg(long, value_name = "NAME", conflicts_with = "names")]
         owner: Option<String>,
+        /// Revoke only the sign-ins of the owner, for example of a person who changes groups
+        #[arg(long, requires = "owner")]
+        sign_ins: bool,
     },
 }
 
@@ -76,10 +79,10 @@ pub(crate) async fn run(args: Key, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Command::Create(args) => create(args, global).await,
         Command::List => list(global).await,
-        Command::Revoke { names, owner } => {
+        Command::Revoke { names, owner, sign_ins } => {
             let client = global.connect().await?;
             let names = match owner {
-                Some(owner) => of_owner(&client.keys().all().await?, &owner),
+                Some(owner) => of_owner(&client.keys().all().await?, &owner, sign_ins),
                 None => names,
             };
             for name in &names {
@@ -90,10 +93,10 @@ pub(crate) async fn run(args: Key, global: &Global) -> anyhow::Result<()> {
     }
 }
 
-/// Keys of an owner that are not revoked.
-fn of_owner(keys: &[bendtwin_client::Key], owner: &str) -> Vec<KeyId> {
+/// Keys of an owner that are not revoked, or only the sign-ins among them.
+fn of_owner(keys: &[bendtwin_client::Key], owner: &str, sign_ins: bool) -> Vec<KeyId> {
     let valid = keys.iter().filter(|key| key.owner == owner && key.revoke_time.is_none());
-    valid.map(|key| key.name).collect()
+    valid.filter(|key| key.is_sign_in || !sign_ins).map(|key| key.name).collect()
 }
 
 async fn create(args: Create, global: &Global) -> anyhow::Result<()> {
@@ -145,6 +148,7 @@ async fn list(global: &Global) -> anyhow::Result<()> {
             let state = match (key.revoke_time, key.expire_time) {
                 (Some(time), _) => format!("revoked {time:.0}"),
                 (None, Some(time)) if time <= now => format!("expired {time:.0}"),
+                (None, Some(time)) if key.is_sign_in => format!("signed in until {time:.0}"),
                 (None, Some(time)) => format!("until {time:.0}"),
                 (None, None) => "valid".to_owned(),
             };

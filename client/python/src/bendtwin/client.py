@@ -53,7 +53,8 @@ class Client:
 
     `token` is a key or the token of the server, `token_file` a file with either, which other users
     must not be able to read. By default the token comes from `BENDTWIN_TOKEN`, from the file named
-    in `BENDTWIN_TOKEN_FILE`, or from a server of the same user on the same machine.
+    in `BENDTWIN_TOKEN_FILE`, from `bendtwin login`, or from a server of the same user on the same
+    machine.
 
     For `https://host:port`, `ca` is the file with the certificate of the server's authority (PEM).
     The default is the file named in `BENDTWIN_CA`, or the authorities of the system.
@@ -69,7 +70,8 @@ class Client:
     ) -> None:
         self._transport = transport(address, ca)
         self._address = self._transport.target
-        self._token = shown_token(self._address, token, token_file)
+        is_https = self._transport.is_https
+        self._token = shown_token(self._address, token, token_file, is_https)
         self._caller = Caller(self._transport, self._token)
 
     def __enter__(self) -> Client:

@@ -9,6 +9,8 @@ use crate::{
 on_both! {
     keys_are_stored_listed_and_revoked,
     the_last_use_does_not_go_back,
+    sign_ins_of_a_person_are_bounded_and_forgotten,
+    a_sign_in_ends_those_with_other_rights,
 }
 
 fn new(name: &str) -> NewKey {
@@ -20,6 +22,7 @@ fn new(name: &str) -> NewKey {
         scopes: vec!["twins:read".into(), "captures:read".into(), "twins:read".into()],
         quotas: Quotas { queued_jobs: Some(3), ..Quotas::default() },
         expires: None,
+        signed_in_as: None,
     }
 }
 
@@ -57,4 +60,61 @@ async fn the_last_use_does_not_go_back(on: On) {
     let uses = [(key.id, now), (key.id, now - Duration::from_secs(9)), (KeyId::generate(), now)];
     keys.used(&uses).await.unwrap();
     assert_eq!(keys.get(key.id).await.unwrap().used, Some(now));
+}
+
+fn sign_in_of(person: &str, bench: &Bench) -> NewKey {
+    NewKey {
+        owner: "ada".to_owned(),
+        expires: Some(bench.store.now() + Duration::from_secs(60)),
+        signed_in_as: Some(person.to_owned()),
+        ..new("sign-in")
+    }
+}
+
+async fn sign_ins_of_a_person_are_bounded_and_forgotten(on: On) {
+    let bench = Bench::new(on).await;
+    let keys = bench.store.keys();
+    let end = bench.store.now() + Duration::from_secs(120);
+    let robot = keys.create(NewKey { owner: "ada".to_owned(), ..new("robot") }).await.unwrap();
+    let other = keys.sign_in(sign_in_of("issuer 2", &bench)).await.unwrap().key;
+    let SignedIn { key: first, ended } =
+        keys.sign_in(sign_in_of("issuer 1", &bench)).await.unwrap();
+    assert_eq!((first.signed_in_as.as_deref(), ended), (Some("issuer 1"), vec![]));
+    let mut ended = Vec::new();
+    for _ in 0..sign_ins::MOST_SIGN_INS {
+        assert_eq!(ended, []);
+        bench.clock.advance(Duration::from_millis(1));
+        ended = keys.sign_in(sign_in_of("issuer 1", &bench)).await.unwrap().ended;
+    }
+    let revoked = Some(bench.store.now());
+    assert_eq!(ended, [Key { revoked, ..first.clone() }], "the oldest");
+    assert!(matches!(keys.get(first.id).await, Err(Error::NotFound { .. })));
+    assert_eq!(keys.all().await.unwrap().len(), 2 + sign_ins::MOST_SIGN_INS as usize);
+    assert_eq!(keys.get(other.id).await.unwrap().revoked, None, "of another person");
+
+    assert_eq!(keys.forget_sign_ins(other.expires.unwrap()).await.unwrap(), 0);
+    let all = 1 + sign_ins::MOST_SIGN_INS as u64;
+    assert_eq!(keys.forget_sign_ins(end).await.unwrap(), all);
+    assert_eq!(keys.all().await.unwrap(), [robot]);
+}
+
+async fn a_sign_in_ends_those_with_other_rights(on: On) {
+    let bench = Bench::new(on).await;
+    let keys = bench.store.keys();
+    let order = || sign_in_of("issuer 1", &bench);
+    let first = keys.sign_in(order()).await.unwrap().key;
+    // The same scopes in another order.
+    let same = NewKey { scopes: vec!["captures:read".into(), "twins:read".into()], ..order() };
+    let second = keys.sign_in(same).await.unwrap();
+    assert_eq!(second.ended, []);
+    let narrower = || NewKey { scopes: vec!["twins:read".into()], ..order() };
+    let mut ended = keys.sign_in(narrower()).await.unwrap().ended;
+    ended.sort_by_key(|key| key.id);
+    let now = Some(bench.store.now());
+    let mut expected = [first, second.key].map(|key| Key { revoked: now, ..key });
+    expected.sort_by_key(|key| key.id);
+    assert_eq!(ended, expected);
+    assert_eq!(keys.get(ended[0].id).await.unwrap().revoked, now);
+    let renamed = NewKey { owner: "ada@example.org".to_owned(), ..narrower() };
+    assert_eq!(keys.sign_in(renamed).await.unwrap().ended.len(), 1);
 }

@@ -99,6 +99,7 @@ fn key() -> Key {
         expires: None,
         revoked: None,
         used: None,
+        signed_in_as: None,
     }
 }
 

@@ -11,7 +11,10 @@ use serde_json::{Value, json};
 use tracing::Level;
 use tracing_subscriber::{filter, fmt, prelude::*};
 
-use super::keys::{bearer, locked, make, revoke};
+use super::{
+    keys::{bearer, locked, make, revoke},
+    sign_in::{self, NONCE, VERIFIER, provider::Provider},
+};
 use crate::harness::read;
 
 thread_local! {
@@ -64,7 +67,8 @@ async fn changes_are_recorded_and_keys_are_not() {
     tracing_subscriber::registry().with(layer).init();
     IS_LOGGED.set(true);
 
-    let server = locked().await;
+    let provider = Provider::start().await;
+    let server = sign_in::server(&provider, |_| ()).await;
     let scopes = json!(["captures:write", "fits:read"]);
     let order = json!({"display_name": "robot key", "owner": "ada", "scopes": scopes});
     let (name, key) = make(&server, order).await;
@@ -110,8 +114,28 @@ async fn changes_are_recorded_and_keys_are_not() {
         assert_eq!(twins.send().await.unwrap().status(), 401);
     }
 
+    // A sign-in that is refused, one that is not, and its end; what is malformed is not recorded.
+    let code = "a-code-of-the-provider";
+    let proof = json!({"code": code, "code_verifier": VERIFIER, "nonce": NONCE});
+    assert_eq!(server.post("/v1/sign-in", proof.clone()).await.0, 403);
+    assert_eq!(server.post("/v1/sign-in", json!({"code": code})).await.0, 400);
+    let id_token = provider.key.sign(&provider.claims(NONCE));
+    provider.issue(&id_token);
+    let (status, made) = server.post("/v1/sign-in", proof).await;
+    assert_eq!(status, 201, "{made}");
+    let sign_in = made["key"]["name"].as_str().unwrap();
+    let sign_in_key = made["secret_key"].as_str().unwrap();
+    let end = server.http.delete(server.url("/v1/sign-in")).bearer_auth(sign_in_key);
+    assert_eq!(end.send().await.unwrap().status(), 204);
+    let page = server.http.get(server.url(&format!("/sign-in?code={code}&state={NONCE}")));
+    assert_eq!(page.send().await.unwrap().status(), 200);
+
     let token = server.handle.client_token().unwrap().to_owned();
     let text = log.text();
+    let of_sign_in = [code, VERIFIER, NONCE, &id_token, &sign_in_key[36..68], &sign_in_key[68..]];
+    for hidden in of_sign_in {
+        assert!(!text.contains(hidden), "a log has a secret of a sign-in: {hidden}");
+    }
     let secret = &key[36..];
     assert!(text.contains(&name) && text.contains("bendtwin_server"), "{text}");
     for hidden in [secret, &secret[..32], &secret[32..], &token] {
@@ -141,6 +165,9 @@ async fn changes_are_recorded_and_keys_are_not() {
         ["", "", "", "", "BAD_CLIENT_TOKEN"],
         ["", "local", "DeleteKey", &name, "OK"],
         [&name, "ada", "", "", "KEY_REVOKED"],
+        ["", "", "CreateSignIn", "", "SIGN_IN_REFUSED"],
+        ["", "", "CreateSignIn", &format!("{sign_in} of ada@example.org"), "OK"],
+        [sign_in, "ada@example.org", "DeleteSignIn", sign_in, "OK"],
     ];
     // Names as the calls gave them: over HTTP the bare id.
     let bare = |name: &str| name.rsplit('/').next().unwrap().to_owned();

@@ -76,7 +76,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 15] = [
+const RULES: [Rule; 16] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -86,6 +86,11 @@ const RULES: [Rule; 15] = [
         of: &["bendtwin-worker"],
         because: "a worker knows no database",
         never: &[&DATABASE, &["bendtwin-server"]],
+    },
+    Rule {
+        of: &["bendtwin-client", "bendtwin-store", "bendtwin-worker"],
+        because: "only the server reads what an identity provider signs",
+        never: &[&["jsonwebtoken"]],
     },
     Rule {
         of: &[

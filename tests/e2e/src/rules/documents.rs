@@ -159,6 +159,8 @@ fn the_example_configuration_says_what_holds_by_default() {
     assert!(options == bendtwin_server::Options::default(), "deploy/config.toml changes a default");
     let mut fields = BTreeMap::new();
     flatten("", &serde_json::to_value(&options).unwrap(), &mut fields);
+    let sign_in = bendtwin_server::SignIn::new("", "", "");
+    flatten("sign_in", &serde_json::to_value(&sign_in).unwrap(), &mut fields);
     for path in fields.keys() {
         let name = path.rsplit('.').next().unwrap();
         assert!(text.contains(&format!("{name} = ")), "deploy/config.toml does not tell of {path}");

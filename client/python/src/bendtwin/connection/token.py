@@ -1,13 +1,15 @@
 """The token or key that is shown to a server.
 
-It is in the environment, in a file that is named there, or, for servers of the same user on the
-same machine, in a file that the server leaves by its port.
+It is in the environment, in a file that is named there, in the file of a sign-in (`bendtwin
+login`), or, for servers of the same user on the same machine, in a file that the server leaves by
+its port.
 """
 
 from __future__ import annotations
 
 import ipaddress
 import os
+import re
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
@@ -18,9 +20,9 @@ import grpc
 import grpc.aio
 
 
-def find_token(target: str) -> str | None:
+def find_token(target: str, is_https: bool = False) -> str | None:
     """The token or key for `host:port`: of BENDTWIN_TOKEN, in the file that BENDTWIN_TOKEN_FILE
-    names, or as a server on this machine left it."""
+    names, of a sign-in, or as a server on this machine left it."""
     given = os.environ.get("BENDTWIN_TOKEN")
     if given:
         return given
@@ -32,7 +34,12 @@ def find_token(target: str) -> str | None:
         host, port = parts.hostname, parts.port
     except ValueError:
         return None
-    if host is None or not _is_loopback(host):
+    if host is None:
+        return None
+    signed_in = _sign_in(host, port or (443 if is_https else 80), is_https)
+    if signed_in is not None:
+        return signed_in
+    if not _is_loopback(host):
         return None
     try:
         path = _state() / "bendtwin" / "tokens" / str(port or 80)
@@ -42,7 +49,10 @@ def find_token(target: str) -> str | None:
 
 
 def shown_token(
-    target: str, token: str | None, token_file: str | PathLike[str] | None
+    target: str,
+    token: str | None,
+    token_file: str | PathLike[str] | None,
+    is_https: bool = False,
 ) -> str | None:
     """The token or key that a client shows.
 
@@ -51,7 +61,7 @@ def shown_token(
     """
     if token is not None:
         return token
-    return find_token(target) if token_file is None else read_token(token_file)
+    return find_token(target, is_https) if token_file is None else read_token(token_file)
 
 
 def read_token(path: str | PathLike[str]) -> str:
@@ -72,6 +82,17 @@ def read_token(path: str | PathLike[str]) -> str:
 def with_token(channel: grpc.Channel, token: str | None) -> grpc.Channel:
     """A channel that shows the token with every call."""
     return channel if token is None else grpc.intercept_channel(channel, _Credentials(token))
+
+
+def _sign_in(host: str, port: int, is_https: bool) -> str | None:
+    """The key with which this user signed in at a server, as `bendtwin login` keeps it."""
+    scheme = "https" if is_https else "http"
+    name = f"{scheme}_{re.sub(r'[^a-z0-9.-]', '_', host.lower())}_{port}"
+    try:
+        path = _state() / "bendtwin" / "sign-ins" / name
+        return read_token(path) if path.exists() else None
+    except RuntimeError:
+        return None
 
 
 def _state() -> Path:

@@ -3,13 +3,14 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 
 use super::*;
-use crate::{Capture, Fit, Key, OwnerUsage, Session, Supplement, Twin, Worker};
+use crate::{Caller, Capture, Fit, Key, OwnerUsage, Session, Supplement, Twin, Worker};
 
 #[test]
 fn a_resource_has_every_field_of_its_message() {
     let files = FileDescriptorSet::decode(DESCRIPTORS).unwrap().file;
     let messages: Vec<_> = files.into_iter().flat_map(|file| file.message_type).collect();
     for (name, names) in [
+        ("Caller", Caller::NAMES),
         ("Capture", Capture::NAMES),
         ("Fit", Fit::NAMES),
         ("Job", Job::NAMES),

@@ -26,6 +26,7 @@ async fn key(bench: &Bench, owner: &str, stored_bytes: Option<u64>) -> KeyId {
         scopes: Vec::new(),
         quotas: Quotas { stored_bytes, ..Quotas::default() },
         expires: None,
+        signed_in_as: None,
     };
     bench.store.keys().create(new).await.unwrap().id
 }

@@ -47,7 +47,7 @@ impl Fleet {
         });
         let (certificates, metrics) = (Certificates::default(), Metrics::new());
         let options = Options { worker_token: Some(TOKEN.to_owned()), ..Options::default() };
-        let app = App::new(options, store.await.unwrap(), certificates, metrics);
+        let app = App::new(options, store.await.unwrap(), certificates, metrics, None);
         app.recover().await.unwrap();
         let other = ServerId::generate();
         Some(Self { app, clock, other, _folder: folder, _postgres: postgres })

@@ -1,0 +1,144 @@
+//! Sign-in of people: what `sign_in` finds out about a person becomes a key that ends by itself.
+
+use std::time::Duration;
+
+use bendtwin_store::{Key, NewKey};
+use jiff::{SignedDuration, Timestamp};
+
+use crate::{
+    access::{Scope, key},
+    app::{App, Error, Result, labels},
+    audit,
+    context::Context,
+    sign_in::{self, Challenge, Device, Proof, SignIn},
+};
+
+/// Time for which an ended sign-in is kept, so that its holder is asked to sign in again.
+const REMEMBERED: Duration = Duration::from_secs(30 * 86_400);
+
+/// The caller, as people ask for it.
+#[derive(Clone, Debug)]
+pub(crate) struct WhoAmI {
+    pub(crate) owner: String,
+    pub(crate) scopes: Vec<String>,
+    /// Key of the caller; `None` with the client token, or where nothing is required.
+    pub(crate) key: Option<Key>,
+}
+
+impl App {
+    /// Name of the identity provider, if people can sign in.
+    pub(crate) fn sign_in_name(&self) -> Option<&str> {
+        self.sign_in.as_ref().map(|sign_in| sign_in.options().display_name.as_str())
+    }
+
+    /// The address of the provider for a browser.
+    pub(crate) async fn start_sign_in(&self, challenge: &Challenge) -> Result<String> {
+        let sign_in = self.provider()?;
+        if !challenge.is_well_formed() {
+            let fault = "are to be 43 characters of base64url each";
+            return Err(Error::invalid("state, nonce and code_challenge", fault));
+        }
+        Ok(sign_in.address(challenge).await?)
+    }
+
+    /// Begins the sign-in of a device.
+    pub(crate) async fn start_device_sign_in(&self) -> Result<Device> {
+        Ok(self.provider()?.begin_device().await?)
+    }
+
+    /// Signs a person in. The text of their key is returned here and nowhere else.
+    pub(crate) async fn create_sign_in(&self, proof: Proof) -> Result<(Key, String)> {
+        let sign_in = self.provider()?;
+        if !proof.is_well_formed() {
+            let fault = "is not what a browser or a device has: send code, code_verifier and \
+                         nonce, or device_code";
+            return Err(Error::invalid("body", fault));
+        }
+        self.require_room(0)?;
+        let done: Result<(Key, String)> = async {
+            let person = sign_in.person(&proof).await?;
+            let made = key::make().map_err(|e| Error::Internal(format!("random numbers: {e}")))?;
+            let new = NewKey {
+                id: made.id,
+                display_name: "sign-in".to_owned(),
+                owner: labels::owner(person.owner)?,
+                hash: made.hash,
+                scopes: person.scopes,
+                quotas: sign_in.options().quotas.to_store(),
+                expires: Some(later(self.store.now(), sign_in.options().session())),
+                signed_in_as: Some(person.id),
+            };
+            let store = self.store.clone();
+            let done = self.change(async move { store.keys().sign_in(new).await }).await?;
+            self.keys.learn(&done.key);
+            for ended in &done.ended {
+                self.keys.learn(ended);
+            }
+            tracing::info!(key = %done.key.id, owner = done.key.owner, "signed in");
+            Ok((done.key, made.text))
+        }
+        .await;
+        if is_audited(&done) {
+            audit::made("CreateSignIn", &done, |(key, _)| format!("{} of {}", key.id, key.owner));
+        }
+        done
+    }
+
+    /// Signs the caller out: revokes the key of a sign-in. Other keys stay valid.
+    pub(crate) async fn delete_sign_in(&self) -> Result<()> {
+        let Some(id) = Context::current().caller.key else { return Ok(()) };
+        if self.store.keys().get(id).await?.signed_in_as.is_none() {
+            return Ok(());
+        }
+        let done: Result<()> = async {
+            let store = self.store.clone();
+            let key = self.change(async move { store.keys().revoke(id).await }).await?;
+            self.keys.learn(&key);
+            tracing::info!(key = %key.id, owner = key.owner, "signed out");
+            Ok(())
+        }
+        .await;
+        audit::changed("DeleteSignIn", id, &done);
+        done
+    }
+
+    /// The caller of this request.
+    pub(crate) async fn who_am_i(&self) -> Result<WhoAmI> {
+        let caller = Context::current().caller;
+        let key = match caller.key {
+            Some(id) => Some(self.store.keys().get(id).await?),
+            None => None,
+        };
+        let all = || Scope::ALL.map(|scope| scope.as_str().to_owned()).into();
+        let scopes = key.as_ref().map_or_else(all, |key| key.scopes.clone());
+        Ok(WhoAmI { owner: caller.owner.to_string(), scopes, key })
+    }
+
+    /// Deletes sign-ins that ended long ago.
+    pub(in crate::app) async fn forget_sign_ins(&self) -> Result<()> {
+        let before = self.store.now() - REMEMBERED;
+        let forgotten = self.store.keys().forget_sign_ins(before).await?;
+        if forgotten > 0 {
+            tracing::info!(forgotten, "sign-ins that had ended are removed");
+        }
+        Ok(())
+    }
+
+    fn provider(&self) -> Result<&SignIn> {
+        self.sign_in.as_ref().ok_or_else(|| sign_in::Error::Off.into())
+    }
+}
+
+/// False for what anyone can cause without end: a device asks again and again until its person has
+/// confirmed it, and calls beyond the rate are not even looked at.
+fn is_audited<T>(done: &Result<T>) -> bool {
+    let is_repeated = |error: &sign_in::Error| {
+        matches!(error, sign_in::Error::Pending { .. } | sign_in::Error::Busy)
+    };
+    !matches!(done, Err(Error::SignIn(error)) if is_repeated(error))
+}
+
+fn later(now: Timestamp, by: Duration) -> Timestamp {
+    let by = SignedDuration::try_from(by).unwrap_or(SignedDuration::MAX);
+    now.saturating_add(by).unwrap_or(Timestamp::MAX)
+}
