@@ -13,13 +13,14 @@ use crate::harness::{
     reference::{FIT, Reference, capture, undisturbed},
 };
 
-/// A fit of several seconds on an idle machine, so that twenty kills hit different moments. Most of
+/// A fit of some 15 seconds on an idle machine, so that twenty kills hit different moments. Most of
 /// it is search: once refinement has converged, further passes take no time.
 const SETTINGS: &str = r#"{
     "seed": 11,
+    "compare_axial": false,
     "graph": {"max_nodes": 40},
-    "search": {"starts": 1, "generations": 500, "population": 8},
-    "refine": {"passes": 40}
+    "search": {"starts": 1, "generations": 200, "population": 8},
+    "refine": {"passes": 24}
 }"#;
 /// Fraction of a fit over which kills are spread.
 const SPREAD: f64 = 0.75;
