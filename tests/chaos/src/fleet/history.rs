@@ -12,7 +12,8 @@ use crate::{supervised::Supervised, tally::Tally};
 /// Filter of the logs of workers: what was accepted of checkpoints is among the details.
 pub(super) const LOG: &str = "info,bendtwin_worker::job=debug";
 
-/// Makes the database note writes.
+/// Makes the database note writes. A queued job in the trash has the state `cancelled`, which is no end: it is
+/// queued again when it is restored.
 pub(super) const RECORD: &str = "
     create table chaos_writes (number bigserial, job text, epoch bigint, what text);
     create function chaos_write() returns trigger language plpgsql as $$ begin
@@ -24,7 +25,8 @@ pub(super) const RECORD: &str = "
         when (new.state = 'running' and new.checkpoint is not null)
         execute function chaos_write('checkpoint');
     create trigger chaos_state after update of state on jobs for each row
-        when (old.state <> new.state) execute function chaos_write();";
+        when (old.state <> new.state and new.restored_state is null)
+        execute function chaos_write();";
 
 /// Notes, in order.
 pub(super) const NOTED: &str = "select job, epoch, what from chaos_writes order by number";
