@@ -43,6 +43,7 @@ pub use twin::{
     planner::{PlannerQuality, PlannersTwin},
     quality::{self, Quality},
     skin::Skin,
+    surface::{Surface, Tube},
 };
 pub use views::{View, ViewCamera, Views};
 

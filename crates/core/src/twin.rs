@@ -9,11 +9,12 @@ mod member;
 pub mod planner;
 pub mod quality;
 pub mod skin;
+pub mod surface;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Appearance, Environment, Graph, Params, PlannersTwin, Quality, Skin, Timing,
+    Appearance, Environment, Graph, Params, PlannersTwin, Quality, Skin, Surface, Timing,
     environment::ControlVelocity,
     geometry::{length, sub},
     settings::FitSettings,
@@ -51,6 +52,8 @@ pub struct Twin {
     pub members: Vec<Member>,
     /// Colours and Gaussians; none if no camera saw the object.
     pub appearance: Option<Appearance>,
+    /// What people see of it; none in files of earlier builds.
+    pub surface: Option<Surface>,
     /// A small twin that plans are made with; none if it was not asked for.
     pub planner: Option<PlannersTwin>,
 }
@@ -72,6 +75,7 @@ impl Twin {
             control_hands: Vec::new(),
             members: Vec::new(),
             appearance: None,
+            surface: None,
             planner: None,
         }
     }

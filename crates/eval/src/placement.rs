@@ -106,6 +106,7 @@ impl Placement {
             timing: retimed(twin.timing, capture.fps),
             control_hands: capture.object.control_hands.clone(),
             appearance: None,
+            surface: None,
             planner: None,
             // The report's arrays and the planner's twin belong to the skin of the twin that it was made for.
             quality: Quality { identifiability: None, planner: None, ..twin.quality.clone() },

@@ -12,6 +12,7 @@ pub(crate) mod model_fit;
 mod planner;
 mod refine;
 mod search;
+mod surface;
 mod time_limit;
 mod unscored;
 mod validation;
@@ -130,6 +131,7 @@ impl FitJob<'_> {
         let finished = run.refine()?;
         let mut outcome = run.evaluate(finished)?;
         run.dress(&mut outcome)?;
+        run.wrap(&mut outcome);
         run.distill(&mut outcome)?;
         Ok(outcome)
     }

@@ -6,6 +6,7 @@ mod appearance;
 mod identifiability;
 mod members;
 mod planner;
+mod surface;
 
 use std::borrow::Cow;
 
@@ -174,6 +175,9 @@ impl Twin {
         if let Some(appearance) = &self.appearance {
             tensors.extend(appearance::tensors(appearance));
         }
+        if let Some(surface) = &self.surface {
+            tensors.extend(surface::tensors(surface));
+        }
         if let Some(planner) = &self.planner {
             tensors.extend(planner::tensors(planner)?);
         }
@@ -312,6 +316,7 @@ impl Twin {
                 true => Some(file.appearance()?),
                 false => None,
             },
+            surface: file.surface()?,
             planner: match version >= WITH_PLANNER {
                 true => Some(file.planner()?),
                 false => None,
@@ -350,6 +355,9 @@ impl Twin {
         }
         if let Some(appearance) = &self.appearance {
             appearance.check(self.skin.len(), self.graph.node_count()).or_else(fail)?;
+        }
+        if let Some(surface) = &self.surface {
+            surface.check(self.graph.node_count()).or_else(fail)?;
         }
         let t = self.timing;
         if !(FRAME_RATES.contains(&t.fps) && t.substeps > 0) {

@@ -60,6 +60,7 @@ impl Member {
             control_hands: of.control_hands.clone(),
             members: Vec::new(),
             appearance: of.appearance.clone(),
+            surface: of.surface.clone(),
             planner: None,
         }
     }

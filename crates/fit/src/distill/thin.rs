@@ -58,6 +58,7 @@ pub(super) fn thin(twin: &Twin, nodes: usize) -> PlannersTwin {
         control_hands: twin.control_hands.clone(),
         members: Vec::new(),
         appearance: None,
+        surface: None,
         planner: None,
     };
     PlannersTwin { nodes: nodes.iter().map(|&i| i as u32).collect(), twin: Box::new(small) }

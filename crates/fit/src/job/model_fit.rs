@@ -180,6 +180,7 @@ impl ModelFit {
             control_hands: job.capture.object.control_hands.clone(),
             members: Vec::new(),
             appearance: None,
+            surface: None,
             planner: None,
         })
     }

@@ -10,7 +10,7 @@ use super::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 24] = [
+const PHYSICS: [&str; 25] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-calibrate",
@@ -34,6 +34,7 @@ const PHYSICS: [&str; 24] = [
     "bendtwin-segment",
     "bendtwin-splat",
     "bendtwin-study",
+    "bendtwin-surface",
     "bendtwin-synth",
 ];
 /// Crates that read, judge and lift captures, or write twins, without physics.

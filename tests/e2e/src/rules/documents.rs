@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
     Appearance, Contact, Environment, FitSettings, Graph, Identifiability, NodeKind, Params, Pin,
-    PlannerQuality, PlannersTwin, Quality, Skin, Splats, Timing, Twin,
+    PlannerQuality, PlannersTwin, Quality, Skin, Splats, Surface, Timing, Tube, Twin,
     capture::Subject,
     identifiability::Region,
     settings::{Conditions, DeviceKind, Effort, ingest::IngestSettings},
@@ -200,6 +200,12 @@ fn twin() -> Twin {
         opacities: vec![0.5],
         colors: vec![[0.5; 3]],
     };
+    let surface = Surface {
+        carriers: skin.clone(),
+        triangles: vec![[0, 0, 0]],
+        colors: vec![[0; 3]],
+        tubes: vec![Tube { nodes: vec![0, 1], radius_m: 0.01 }],
+    };
     let twin = Twin {
         skin,
         graph,
@@ -219,9 +225,11 @@ fn twin() -> Twin {
         control_hands: vec![0],
         members: Vec::new(),
         appearance: Some(Appearance { skin_colors: vec![[0; 3]], splats: Some(splats) }),
+        surface: Some(surface),
         planner: None,
     };
-    let mut small = Twin { appearance: None, quality: Quality::default(), ..twin.clone() };
+    let mut small =
+        Twin { appearance: None, surface: None, quality: Quality::default(), ..twin.clone() };
     small.skin.append(&Skin::at_nodes(&(0..n as u32).collect::<Vec<_>>()));
     let planner = PlannersTwin { nodes: (0..n as u32).collect(), twin: Box::new(small) };
     let figures = PlannerQuality {
