@@ -75,17 +75,19 @@ def recorded(client, twin, folder):
 
 
 def test_the_format_follows_the_name_or_the_flag_and_is_never_another(folder, twin, recorded):
-    done = run("twin", "export", folder / "twin.safetensors", folder / "rope.obj")
+    done = run("twin", "export", folder / "twin.safetensors", folder / "rope.fbx")
     assert done.returncode != 0
     assert json.loads(done.stderr)["error"]["reason"] == "EXPORT_FORMAT_UNKNOWN"
     assert ".glb" in done.stderr
-    assert not (folder / "rope.obj").exists()
-    assert export(folder, "said.obj", "--format", "ply").read_bytes()[:4] == b"ply\n"
+    assert not (folder / "rope.fbx").exists()
+    assert export(folder, "said.fbx", "--format", "ply").read_bytes()[:4] == b"ply\n"
     magic = {
         "a.ply": b"ply\n",
         "a.glb": b"glTF",
         "a.npz": b"PK",
         "a.usda": b"#usda",
+        "a.usdz": b"PK",
+        "a.obj": b"# bendtwin",
         "a.xml": b"<!--",
     }
     magic |= {"a.zip": b"PK", "a.mcap": b"\x89MCAP"}
@@ -128,7 +130,7 @@ def test_glb_is_read_by_trimesh_and_moves_by_pygltflib(folder, twin, recorded):
     assert norm(turned - mesh.vertices).max() < 1e-5
     assert len(still.faces) == len(mesh.faces)
 
-    moving = pygltflib.GLTF2().load(str(recorded("a.glb")))
+    moving = pygltflib.GLTF2().load(str(recorded("a.glb", "--nodes")))
     blob, frames = moving.binary_blob(), len(recorded.expected)
 
     def floats(index):
@@ -149,11 +151,37 @@ def test_glb_is_read_by_trimesh_and_moves_by_pygltflib(folder, twin, recorded):
     np.testing.assert_allclose(posed, recorded.expected, atol=1e-6)
 
 
+def test_a_surface_is_closed_for_trimesh_and_usd(folder):
+    trimesh = library("trimesh")
+    ball = trimesh.creation.icosphere(2, 0.05).apply_translation([0, 0, 0.2])
+    nodes = np.asarray(ball.vertices)
+    file = twin_file(nodes, ball.edges_unique.tolist(), nodes[:1])
+    (folder / "ball.safetensors").write_bytes(file.encode())
+    volumes = set()
+    for name in ("surface.ply", "surface.obj", "surface.glb", "surface.usdz"):
+        done = run("twin", "export", folder / "ball.safetensors", folder / name)
+        assert done.returncode == 0, done.stderr
+        if name == "surface.usdz":
+            continue
+        mesh = trimesh.load(folder / name, force="mesh", process=False)
+        assert mesh.is_watertight, name
+        assert mesh.is_winding_consistent, name
+        volumes.add((len(mesh.faces), round(mesh.volume / ball.volume, 2)))
+    ((faces, share),) = volumes
+    assert 0.9 < share < 1.1
+    library("pxr.Usd")
+    from pxr import Usd, UsdGeom
+
+    stage = Usd.Stage.Open(str(folder / "surface.usdz"))
+    surface = UsdGeom.Mesh(stage.GetPrimAtPath("/Twin/Surface"))
+    assert len(surface.GetFaceVertexCountsAttr().Get()) == faces
+
+
 def test_a_ply_sequence_has_a_file_for_each_frame(folder, twin, recorded):
     plyfile, trimesh = library("plyfile"), library("trimesh")
     springs = TwinFile.decode((folder / "twin.safetensors").read_bytes())["springs.ends"]
     springs = springs[springs[:, 1] < recorded.expected.shape[1]]
-    with zipfile.ZipFile(recorded("a.zip")) as archive:
+    with zipfile.ZipFile(recorded("a.zip", "--nodes")) as archive:
         names = sorted(archive.namelist())
         assert len(names) == len(recorded.expected)
         for name, expected in zip(names, recorded.expected, strict=True):
@@ -172,7 +200,7 @@ def test_usd_is_read_by_pixar_s_library(folder, twin, recorded):
     library("pxr.Usd")
     from pxr import Usd, UsdGeom
 
-    stage = Usd.Stage.Open(str(recorded("a.usda")))
+    stage = Usd.Stage.Open(str(recorded("a.usda", "--nodes")))
     assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1
     assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (3, FRAMES)
@@ -187,7 +215,7 @@ def test_usd_is_read_by_pixar_s_library(folder, twin, recorded):
         low, high = points.GetExtentAttr().Get(code)
         np.testing.assert_array_equal([low, high], [nodes.min(axis=0), nodes.max(axis=0)])
 
-    stage = Usd.Stage.Open(str(export(folder, "rest.usda")))
+    stage = Usd.Stage.Open(str(export(folder, "rest.usda", "--nodes")))
     file = TwinFile.decode((folder / "twin.safetensors").read_bytes())
     springs = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Twin/Springs"))
     inner = file["springs.ends"][:, 1] < len(file["nodes.mass"])

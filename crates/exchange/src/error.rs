@@ -24,9 +24,7 @@ pub enum Error {
         format: Format,
     },
     /// A format in which only nodes have a meaning.
-    #[error(
-        "{format} holds the nodes of a twin, not its skin or a mesh: leave --skin and --mesh away"
-    )]
+    #[error("{format} holds the nodes of a twin: omit --surface, --skin and --mesh")]
     #[problem(InvalidArgument, "EXPORT_HOLDS_NODES_ONLY")]
     NodesOnly {
         /// The format.
@@ -66,7 +64,7 @@ pub enum Error {
         frame: usize,
     },
     /// Nothing to draw.
-    #[error("the twin has no {0}: leave --skin and --mesh away")]
+    #[error("the twin has no {0}: write its nodes (--nodes)")]
     #[problem(InvalidArgument, "EXPORT_NO_POINTS")]
     NoPoints(&'static str),
     /// No Gaussians to write.

@@ -15,12 +15,16 @@ pub enum Format {
     Ply,
     /// A binary PLY for each frame, in a ZIP archive or a folder.
     PlySequence,
+    /// A state as Wavefront OBJ.
+    Obj,
     /// Binary glTF; motion as morph targets.
     Glb,
     /// Arrays of numpy: all that the twin file has, and the motion.
     Npz,
     /// USD as text; motion as time samples.
     Usda,
+    /// The same in a package of one file.
+    Usdz,
     /// A model of MuJoCo; motion as keyframes.
     Mujoco,
     /// Messages for Foxglove.
@@ -29,15 +33,17 @@ pub enum Format {
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Twin,
         // Before the format whose extension is the end of this one's.
         Self::Splats,
         Self::Ply,
         Self::PlySequence,
+        Self::Obj,
         Self::Glb,
         Self::Npz,
         Self::Usda,
+        Self::Usdz,
         Self::Mujoco,
         Self::Mcap,
     ];
@@ -49,9 +55,11 @@ impl Format {
             Self::Splats => "splats",
             Self::Ply => "ply",
             Self::PlySequence => "ply-sequence",
+            Self::Obj => "obj",
             Self::Glb => "glb",
             Self::Npz => "npz",
             Self::Usda => "usda",
+            Self::Usdz => "usdz",
             Self::Mujoco => "mujoco",
             Self::Mcap => "mcap",
         }
@@ -64,9 +72,11 @@ impl Format {
             Self::Splats => &["splat.ply"],
             Self::Ply => &["ply"],
             Self::PlySequence => &["zip"],
+            Self::Obj => &["obj"],
             Self::Glb => &["glb"],
             Self::Npz => &["npz"],
             Self::Usda => &["usda"],
+            Self::Usdz => &["usdz"],
             Self::Mujoco => &["xml", "mjcf"],
             Self::Mcap => &["mcap"],
         }
@@ -92,7 +102,15 @@ impl Format {
 
     /// True if it holds more than one state.
     pub fn holds_motion(self) -> bool {
-        !matches!(self, Self::Twin | Self::Splats | Self::Ply)
+        !matches!(self, Self::Twin | Self::Splats | Self::Ply | Self::Obj)
+    }
+
+    /// True if it is read by programs that show it: then the surface is written unless other points are asked for.
+    pub fn shows(self) -> bool {
+        matches!(
+            self,
+            Self::Ply | Self::PlySequence | Self::Obj | Self::Glb | Self::Usda | Self::Usdz
+        )
     }
 
     /// All formats with their extensions, for messages.

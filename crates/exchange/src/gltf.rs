@@ -1,4 +1,4 @@
-//! Binary glTF 2.0: points and springs, or a mesh; motion as morph targets.
+//! Binary glTF 2.0: points and springs, or a coloured surface; motion as morph targets.
 //!
 //! Every frame but the first is a morph target, whose weight an animation raises to 1 at the frame's
 //! time and lowers again, linearly: between frames positions are mixed linearly too. That is exact
@@ -21,6 +21,7 @@ const Z_TO_Y: [f64; 4] =
     [-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
 
 const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const POINTS: u32 = 0;
 const LINES: u32 = 1;
@@ -89,12 +90,21 @@ fn write_data(scene: &Scene<'_>, parts: &[Part], out: &mut impl Write) -> Result
     }
     out.write_all(bytemuck::cast_slice(scene.lines()))?;
     out.write_all(bytemuck::cast_slice(scene.triangles()))?;
+    for color in scene.colors() {
+        out.write_all(bytemuck::cast_slice(&linear(*color)))?;
+    }
     for part in parts {
         for frame in 0..frames {
             out.write_all(bytemuck::cast_slice(&target(scene, part, frame)))?;
         }
     }
     Ok(())
+}
+
+/// A colour of the format: linear in light, as fractions of 65535, and opaque.
+fn linear(color: [u8; 3]) -> [u16; 4] {
+    let [r, g, b] = crate::scene::linear(color).map(|x| (x * 65535.0).round() as u16);
+    [r, g, b, u16::MAX]
 }
 
 /// Accessors with their views, gathered in the order of the data.
@@ -109,6 +119,8 @@ struct Document {
     /// Accessors of the indices of lines and triangles.
     lines: Option<usize>,
     triangles: Option<usize>,
+    /// Accessor of the colours of the twin's points.
+    colors: Option<usize>,
     /// The first accessor of each part's positions.
     positions: Vec<usize>,
 }
@@ -132,6 +144,10 @@ impl Document {
         let (lines, triangles) =
             (indices(2 * scene.lines().len()), indices(3 * scene.triangles().len()));
         (this.lines, this.triangles) = (lines, triangles);
+        let colors = scene.colors().len();
+        let normalized = json!({"normalized": true});
+        this.colors =
+            (colors > 0).then(|| this.add(UNSIGNED_SHORT, colors, "VEC4", 8, &normalized));
         for part in parts {
             this.positions.push(this.accessors.len());
             for frame in 0..frames {
@@ -166,12 +182,18 @@ impl Document {
             vec![json!({"name": scene.name(), "rotation": Z_TO_Y, "children": children})];
         let of = |(mesh, part): (usize, &Part)| json!({"name": part.name, "mesh": mesh});
         nodes.extend(parts.iter().enumerate().map(of));
+        // Soft objects do not shine.
+        let material = json!({
+            "name": "surface",
+            "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.9},
+        });
         let mut document = json!({
             "asset": {"version": "2.0", "generator": bendtwin_core::BUILD},
             "scene": 0,
             "scenes": [{"nodes": [0]}],
             "nodes": nodes,
             "meshes": meshes,
+            "materials": [material],
             "accessors": self.accessors,
             "bufferViews": self.views,
             "buffers": [{"byteLength": self.length}],
@@ -191,6 +213,12 @@ impl Document {
         let targets: Vec<Value> = (1..frames).map(|f| json!({"POSITION": at + f})).collect();
         let primitive = |mode: u32, indices: Option<usize>| {
             let mut primitive = json!({"attributes": {"POSITION": at}, "mode": mode});
+            if let Some(colors) = self.colors.filter(|_| !part.is_controls) {
+                primitive["attributes"]["COLOR_0"] = json!(colors);
+            }
+            if mode == TRIANGLES {
+                primitive["material"] = json!(0);
+            }
             if let Some(indices) = indices {
                 primitive["indices"] = json!(indices);
             }

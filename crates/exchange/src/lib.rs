@@ -13,6 +13,7 @@ mod gltf;
 mod mcap;
 mod mujoco;
 mod npz;
+mod obj;
 mod phystwin;
 mod ply;
 mod scene;
@@ -67,9 +68,11 @@ pub fn encode(
             splats::write_ply(&gaussians, out)?;
         }
         Format::PlySequence => ply::write_archive(scene, out)?,
+        Format::Obj => obj::write(scene, out)?,
         Format::Glb => gltf::write(scene, out)?,
         Format::Npz => npz::write(scene, out)?,
         Format::Usda => usd::write(scene, out)?,
+        Format::Usdz => usd::write_package(scene, out)?,
         Format::Mujoco => mujoco::write(scene, out)?,
         Format::Mcap => mcap::write(scene, out)?,
     }
@@ -81,7 +84,7 @@ fn check(scene: &Scene<'_>, format: Format) -> Result<(), Error> {
     let moves = scene.motion().is_some();
     match format {
         Format::Twin | Format::Splats if moves => Err(Error::NoMotion { format }),
-        Format::Ply if scene.frame_count() > 1 => Err(Error::NoMotion { format }),
+        Format::Ply | Format::Obj if scene.frame_count() > 1 => Err(Error::NoMotion { format }),
         Format::Glb if scene.frame_count() > gltf::MAX_FRAMES => {
             let (frames, limit) = (scene.frame_count(), gltf::MAX_FRAMES);
             Err(Error::TooManyFrames { format, frames, limit })

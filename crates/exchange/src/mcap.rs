@@ -40,7 +40,7 @@ pub(crate) fn write(scene: &Scene<'_>, out: &mut (impl Write + Seek)) -> Result<
     let points = match scene.points() {
         PointSet::Nodes => "/twin/nodes",
         PointSet::Skin => "/twin/skin",
-        PointSet::Mesh(_) => "/twin/surface",
+        PointSet::Surface | PointSet::Mesh(_) => "/twin/surface",
     };
     let points = topic(cloud, points)?;
     let has_controls = !scene.controls_at(0).is_empty();

@@ -13,8 +13,8 @@ use crate::{Error, PointSet, Scene};
 
 /// Writes one frame.
 ///
-/// Vertices have `x y z` [m]; nodes also the `kind`, `object` and `mass` of the twin file. Springs
-/// between nodes are edges; faces are those of the mesh.
+/// Vertices have `x y z` [m], and `red green blue` if their colours are known; nodes also the `kind`, `object`
+/// and `mass` of the twin file. Springs between nodes are edges; faces are those of the surface or the mesh.
 pub(crate) fn write(scene: &Scene<'_>, frame: usize, out: &mut impl Write) -> Result<(), Error> {
     out.write_all(header(scene, frame).as_bytes())?;
     let graph = &scene.twin().graph;
@@ -25,6 +25,9 @@ pub(crate) fn write(scene: &Scene<'_>, frame: usize, out: &mut impl Write) -> Re
             out.write_all(&[graph.kinds[i] as u8])?;
             out.write_all(&graph.object_ids[i].to_le_bytes())?;
             out.write_all(&graph.masses[i].to_le_bytes())?;
+        }
+        if let Some(color) = scene.colors().get(i) {
+            out.write_all(color)?;
         }
     }
     out.write_all(bytemuck::cast_slice(scene.lines()))?;
@@ -44,6 +47,9 @@ fn header(scene: &Scene<'_>, frame: usize) -> String {
     text += "property float x\nproperty float y\nproperty float z\n";
     if matches!(scene.points(), PointSet::Nodes) {
         text += "property uchar kind\nproperty uint object\nproperty float mass\n";
+    }
+    if !scene.colors().is_empty() {
+        text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     }
     if !scene.lines().is_empty() {
         text += &format!("element edge {}\n", scene.lines().len());

@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 
 use bendtwin_core::{
-    Point, Skin, Twin,
+    Point, Surface, Twin,
     geometry::{length, sub},
 };
 use bendtwin_graph::{SurfacePoints, bind_points};
 use bendtwin_mesh::Mesh;
+use bendtwin_surface::surface_of;
 
 use crate::Error;
 
@@ -18,6 +19,8 @@ pub enum PointSet<'a> {
     Nodes,
     /// The points of its skin.
     Skin,
+    /// The surface of the twin file, or one that is made here for a twin without.
+    Surface,
     /// The vertices of a mesh that lies around the twin at rest, in its coordinates: they are
     /// carried by the nodes, as the skin is.
     Mesh(&'a Mesh),
@@ -41,8 +44,10 @@ pub struct Scene<'a> {
     twin: &'a Twin,
     points: PointSet<'a>,
     motion: Option<&'a Motion>,
-    /// Weights by which nodes carry the points, unless these are nodes.
-    carried: Cow<'a, Skin>,
+    /// The points as nodes carry them, with the triangles on them; without vertices where the points are nodes.
+    carried: Cow<'a, Surface>,
+    /// Triangles on the points.
+    triangles: Vec<[u32; 3]>,
     /// Springs between nodes, shape [E'].
     lines: Vec<[u32; 2]>,
 }
@@ -62,20 +67,36 @@ impl<'a> Scene<'a> {
         if let Some(motion) = motion {
             check(motion, n, c)?;
         }
+        let colors = twin.appearance.as_ref().map_or(&[][..], |look| &look.skin_colors);
         let carried = match points {
-            PointSet::Nodes => Cow::Owned(Skin::default()),
-            PointSet::Skin => Cow::Borrowed(&twin.skin),
+            PointSet::Nodes => Cow::Owned(Surface::default()),
+            PointSet::Skin => Cow::Owned(Surface {
+                carriers: twin.skin.clone(),
+                colors: colors.to_vec(),
+                ..Surface::default()
+            }),
+            PointSet::Surface => match &twin.surface {
+                Some(surface) => Cow::Borrowed(surface),
+                None => Cow::Owned(surface_of(twin, colors).unwrap_or_default()),
+            },
             PointSet::Mesh(mesh) => {
                 check_place(mesh, &twin.graph.rest_positions)?;
                 let observed_points = vec![u32::MAX; mesh.vertices.len()];
                 let surface = SurfacePoints { positions: mesh.vertices.clone(), observed_points };
-                Cow::Owned(bind_points(&twin.graph, &twin.graph.rest_positions, &surface))
+                let carriers = bind_points(&twin.graph, &twin.graph.rest_positions, &surface);
+                // Without nodes there is nothing for triangles to be on.
+                let has_carriers = !carriers.is_empty();
+                let triangles = mesh.triangles.iter().filter(|_| has_carriers).copied().collect();
+                Cow::Owned(Surface { carriers, triangles, ..Surface::default() })
             }
         };
         let missing = match points {
             PointSet::Nodes => (n == 0).then_some("nodes"),
-            PointSet::Skin => carried.is_empty().then_some("skin"),
-            PointSet::Mesh(_) => carried.is_empty().then_some("nodes that carry a mesh"),
+            PointSet::Skin => carried.carriers.is_empty().then_some("skin"),
+            PointSet::Surface => {
+                (carried.vertex_count() == 0).then_some("points enough for a surface")
+            }
+            PointSet::Mesh(_) => carried.carriers.is_empty().then_some("nodes that carry a mesh"),
         };
         if let Some(missing) = missing {
             return Err(Error::NoPoints(missing));
@@ -86,7 +107,8 @@ impl<'a> Scene<'a> {
             }
             _ => Vec::new(),
         };
-        Ok(Self { name: name.to_owned(), twin, points, motion, carried, lines })
+        let triangles = carried.faces();
+        Ok(Self { name: name.to_owned(), twin, points, motion, carried, triangles, lines })
     }
 
     /// Name for people.
@@ -111,12 +133,14 @@ impl<'a> Scene<'a> {
         &self.lines
     }
 
-    /// Triangles on the points; empty without a mesh.
-    pub(crate) fn triangles(&self) -> &'a [[u32; 3]] {
-        match self.points {
-            PointSet::Mesh(mesh) => &mesh.triangles,
-            _ => &[],
-        }
+    /// Triangles on the points; empty without a surface or a mesh.
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Colour of each point as in images (sRGB), shape [P, 3]; empty if they are not known.
+    pub(crate) fn colors(&self) -> &[[u8; 3]] {
+        if self.carried.tubes.is_empty() { &self.carried.colors } else { &[] }
     }
 
     /// Frames of the motion; 1 at rest.
@@ -133,7 +157,7 @@ impl<'a> Scene<'a> {
     pub(crate) fn point_count(&self) -> usize {
         match self.points {
             PointSet::Nodes => self.twin.graph.node_count(),
-            _ => self.carried.len(),
+            _ => self.carried.vertex_count(),
         }
     }
 
@@ -162,6 +186,14 @@ impl<'a> Scene<'a> {
             None => &self.twin.graph.control_rest,
         }
     }
+}
+
+/// The light of a colour of images (sRGB), each channel 0..=1 (IEC 61966-2-1).
+pub(crate) fn linear(color: [u8; 3]) -> [f64; 3] {
+    color.map(|channel| {
+        let x = f64::from(channel) / 255.0;
+        if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    })
 }
 
 /// Refuses a mesh that lies apart from the nodes or is of another size: in other units or axes, it

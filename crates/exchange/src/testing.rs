@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use bendtwin_core::{Graph, NodeKind, Params, Pin, Point, Skin, Timing, Twin};
+use bendtwin_core::{Graph, NodeKind, Params, Pin, Point, Skin, Surface, Timing, Twin};
 use bendtwin_mesh::Mesh;
 
 use crate::{Format, Motion, Scene, encode};
@@ -75,4 +75,15 @@ pub(crate) fn encoded(scene: &Scene<'_>, format: Format) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
     encode(scene, format, &mut out).unwrap();
     out.into_inner()
+}
+
+/// The same twin with a coloured surface: a tetrahedron on its nodes.
+pub(crate) fn with_surface() -> Twin {
+    let surface = Surface {
+        carriers: Skin::at_nodes(&[0, 1, 2, 3]),
+        triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        colors: vec![[255, 0, 0], [0, 188, 0], [0, 0, 0], [255, 255, 255]],
+        tubes: Vec::new(),
+    };
+    Twin { surface: Some(surface), ..twin() }
 }

@@ -1,4 +1,5 @@
-//! USD as text: points of the twin, and springs as curves or a mesh; motion as time samples.
+//! USD as text, alone or in a package: points of the twin, and springs as curves or a coloured surface; motion
+//! as time samples.
 //!
 //! Metres and z up are said in the file. One time code is a frame of the twin's frame rate, so that
 //! programs play it at its speed. Springs are written at rest only: they would double the size of a
@@ -6,16 +7,30 @@
 
 use std::{
     fmt::Write as _,
-    io::{self, Write},
+    io::{self, Seek, Write},
 };
 
 use bendtwin_core::Point;
+use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use crate::{Error, PointSet, Scene};
+use crate::{Error, PointSet, Scene, scene::linear};
 
 /// Width of a drawn point and of a spring [m].
 const POINT_M: f32 = 0.004;
 const SPRING_M: f32 = 0.001;
+
+/// Writes a package: a ZIP archive with the text as its only file, stored, whose content begins at a multiple of 64
+/// bytes.
+pub(crate) fn write_package(scene: &Scene<'_>, out: &mut (impl Write + Seek)) -> Result<(), Error> {
+    let mut archive = ZipWriter::new(out);
+    let stored = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .with_alignment(64);
+    archive.start_file("twin.usda", stored)?;
+    write(scene, &mut archive)?;
+    archive.finish()?;
+    Ok(())
+}
 
 /// Writes the file.
 pub(crate) fn write(scene: &Scene<'_>, out: &mut impl Write) -> Result<(), Error> {
@@ -71,6 +86,11 @@ fn mesh(scene: &Scene<'_>, codes: &[f64], out: &mut impl Write) -> Result<(), Er
     let triangles = scene.triangles();
     writeln!(out, "        int[] faceVertexCounts = {}", list(&vec![3; triangles.len()]))?;
     writeln!(out, "        int[] faceVertexIndices = {}", list(triangles.as_flattened()))?;
+    if !scene.colors().is_empty() {
+        let light = |color: &[u8; 3]| linear(*color).map(|x| x as f32);
+        let colors: Vec<Point> = scene.colors().iter().map(light).collect();
+        primvar_tuples(out, "color3f[]", "displayColor", &colors)?;
+    }
     writeln!(out, "        uniform token subdivisionScheme = \"none\"\n    }}")?;
     Ok(())
 }
@@ -147,6 +167,16 @@ fn primvar<T: std::fmt::Display>(
         "        {kind} primvars:{name} = {} (interpolation = \"{interpolation}\")",
         list(values)
     )
+}
+
+fn primvar_tuples(
+    out: &mut impl Write,
+    kind: &str,
+    name: &str,
+    values: &[Point],
+) -> io::Result<()> {
+    let values = tuples(values);
+    writeln!(out, "        {kind} primvars:{name} = {values} (interpolation = \"vertex\")")
 }
 
 fn list<T: std::fmt::Display>(values: &[T]) -> String {

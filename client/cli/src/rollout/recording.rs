@@ -74,8 +74,8 @@ impl Recording {
     ) -> anyhow::Result<Option<Self>> {
         let RecordingOptions { out, format, instance, points } = options;
         let Some(path) = out else {
-            if points.skin || points.mesh.is_some() {
-                let fault = "--skin and --mesh say what to write: name a file with --out";
+            if points != Points::default() {
+                let fault = "--nodes, --skin, --surface and --mesh say what to write: name a file with --out";
                 return Err(Usage::error(fault));
             }
             return Ok(None);
@@ -87,8 +87,10 @@ impl Recording {
             None => RecordingFormat::Of(exchange::format_of(&path, None)?),
         };
         match format {
-            RecordingFormat::Npy if instance.is_some() || points.mesh.is_some() => {
-                let fault = "npy holds the nodes or the skin of all instances: leave --instance and --mesh away";
+            RecordingFormat::Npy
+                if instance.is_some() || points.surface || points.mesh.is_some() =>
+            {
+                let fault = "npy holds the nodes or the skin of all instances: omit --instance, --surface and --mesh";
                 return Err(Usage::error(fault));
             }
             RecordingFormat::Of(format) if !format.holds_motion() => {
@@ -102,9 +104,7 @@ impl Recording {
                      --instance, take --best 1, or write all of them as .npy"
                 )));
             }
-            RecordingFormat::Of(format)
-                if format == Format::Mujoco && points != Points::default() =>
-            {
+            RecordingFormat::Of(format) if format == Format::Mujoco && points.are_others() => {
                 return Err(failure::failed(Error::NodesOnly { format }));
             }
             _ => {}

@@ -4,21 +4,27 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_core::Twin;
-use bendtwin_exchange::{Format, Motion, PointSet, Scene};
+use bendtwin_exchange::{Error, Format, Motion, PointSet, Scene};
 use bendtwin_mesh::{Limits, Mesh};
 use clap::Args;
 
 use crate::failure;
 
-/// Points that are written in place of nodes.
+/// Points that are written: by default the surface in formats that are looked at, and else the nodes.
 #[derive(Debug, Default, PartialEq, Eq, Args)]
 pub(crate) struct Points {
-    /// Write the points of the skin instead of the nodes
-    #[arg(long, conflicts_with = "mesh")]
+    /// Write the nodes and the springs between them
+    #[arg(long, group = "points")]
+    pub(crate) nodes: bool,
+    /// Write the points of the skin
+    #[arg(long, group = "points")]
     pub(crate) skin: bool,
-    /// Write this mesh, carried by the nodes, instead of the nodes: GLB, OBJ or PLY, in the twin's
-    /// coordinates at rest (metres, z up)
-    #[arg(long, value_name = "FILE")]
+    /// Write the surface: triangles in the object's colours
+    #[arg(long, group = "points")]
+    pub(crate) surface: bool,
+    /// Write this mesh, carried by the nodes: GLB, OBJ or PLY, in the twin's coordinates at rest
+    /// (metres, z up)
+    #[arg(long, value_name = "FILE", group = "points")]
     pub(crate) mesh: Option<PathBuf>,
 }
 
@@ -33,13 +39,26 @@ impl Points {
         path: &Path,
     ) -> anyhow::Result<()> {
         let mesh = self.mesh.as_deref().map(read_mesh).transpose()?;
-        let points = match (&mesh, self.skin) {
-            (Some(mesh), _) => PointSet::Mesh(mesh),
-            (None, true) => PointSet::Skin,
-            (None, false) => PointSet::Nodes,
+        let points = match &mesh {
+            Some(mesh) => PointSet::Mesh(mesh),
+            None if self.skin => PointSet::Skin,
+            None if self.surface || (format.shows() && !self.nodes) => PointSet::Surface,
+            None => PointSet::Nodes,
         };
-        let scene = Scene::new(name, twin, points, motion).map_err(failure::failed)?;
+        let scene = match Scene::new(name, twin, points, motion) {
+            // Nobody asked for the surface: a few nodes have none.
+            Err(Error::NoPoints(_)) if *self == Self::default() => {
+                Scene::new(name, twin, PointSet::Nodes, motion)
+            }
+            scene => scene,
+        }
+        .map_err(failure::failed)?;
         bendtwin_exchange::write(&scene, format, path).map_err(failure::failed)
+    }
+
+    /// True if other points than nodes are asked for.
+    pub(crate) fn are_others(&self) -> bool {
+        self.skin || self.surface || self.mesh.is_some()
     }
 }
 

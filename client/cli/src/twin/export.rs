@@ -17,11 +17,11 @@ pub(super) struct Export {
     /// twins/{uuid}, or a twin file on this machine, which needs no server
     twin: Source,
     /// The file to write; its extension sets the format: .safetensors or .twin
-    /// (docs/formats/twin.md), .splat.ply (Gaussians), .ply, .zip (PLY), .glb, .npz, .usda, .xml
-    /// (MuJoCo), .mcap (docs/formats/exchange.md)
+    /// (docs/formats/twin.md), .splat.ply (Gaussians), .ply, .zip (PLY), .obj, .glb, .npz, .usda, .usdz,
+    /// .xml (MuJoCo), .mcap (docs/formats/exchange.md)
     file: PathBuf,
-    /// Write this format, regardless of the file's name: twin, splats, ply, ply-sequence, glb, npz,
-    /// usda, mujoco or mcap
+    /// Write this format, regardless of the file's name: twin, splats, ply, ply-sequence, obj, glb,
+    /// npz, usda, usdz, mujoco or mcap
     #[arg(long)]
     format: Option<Format>,
     #[command(flatten)]
@@ -33,7 +33,7 @@ pub(super) async fn run(args: Export, global: &Global) -> anyhow::Result<()> {
     let format = exchange::format_of(&file, format)?;
     let (name, content) = source.read(global).await?;
     match format {
-        Format::Twin if points.skin || points.mesh.is_some() => {
+        Format::Twin if points.are_others() => {
             return Err(failure::failed(Error::NodesOnly { format }));
         }
         // Unread: a twin of a newer version than this build reads can be fetched nevertheless.

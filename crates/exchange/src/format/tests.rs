@@ -15,7 +15,7 @@ fn names_select_formats_in_any_case() {
 
 #[test]
 fn a_name_of_no_format_is_refused_with_all_of_them() {
-    for name in ["rope", "rope.obj", "rope.usd", ".glb", ""] {
+    for name in ["rope", "rope.fbx", "rope.usd", ".glb", ""] {
         let message = Format::of_path(Path::new(name)).unwrap_err().to_string();
         for format in Format::ALL {
             assert!(message.contains(format.extensions()[0]), "{name}: {message}");

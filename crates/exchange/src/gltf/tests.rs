@@ -3,7 +3,7 @@ use bendtwin_mesh::{Limits, parse};
 use super::*;
 use crate::{
     Motion, PointSet,
-    testing::{encoded, mesh, motion, twin},
+    testing::{encoded, mesh, motion, twin, with_surface},
 };
 
 /// A file taken apart by the rules of glTF 2.0.
@@ -51,8 +51,13 @@ impl File {
     /// Length, and the bounds that positions must state.
     fn check(&self, accessor: usize) {
         let about = &self.json["accessors"][accessor];
-        let width = if about["type"] == "VEC3" { 3 } else { 1 };
-        assert_eq!(self.bytes(accessor).len() as u64, about["count"].as_u64().unwrap() * width * 4);
+        // Colours are four numbers of two bytes.
+        let words = match about["type"].as_str().unwrap() {
+            "VEC3" => 3,
+            "VEC4" => 2,
+            _ => 1,
+        };
+        assert_eq!(self.bytes(accessor).len() as u64, about["count"].as_u64().unwrap() * words * 4);
         if about["type"] == "VEC3" {
             let points = self.points(accessor);
             for a in 0..3 {
@@ -152,4 +157,31 @@ fn motions_whose_weights_would_fill_the_file_are_refused() {
     let error = crate::encode(&scene, Format::Glb, &mut std::io::Cursor::new(Vec::new()));
     let message = error.unwrap_err().to_string();
     assert!(message.contains("--every") && message.contains("2000"), "{message}");
+}
+
+#[test]
+fn a_surface_has_triangles_in_its_colours_and_moves() {
+    let twin = with_surface();
+    let motion = motion(&twin);
+    let scene = Scene::new("a toy", &twin, PointSet::Surface, Some(&motion)).unwrap();
+    let file = File::read(&encoded(&scene, Format::Glb));
+    assert_eq!(file.json["nodes"][0]["name"], "a toy");
+    let primitive = &file.json["meshes"][0]["primitives"][0];
+    assert_eq!((&primitive["mode"], &primitive["material"]), (&json!(TRIANGLES), &json!(0)));
+    let colors = primitive["attributes"]["COLOR_0"].as_u64().unwrap() as usize;
+    let accessor = &file.json["accessors"][colors];
+    assert_eq!((&accessor["normalized"], &accessor["type"]), (&json!(true), &json!("VEC4")));
+    let words: Vec<u16> =
+        file.bytes(colors).chunks(2).map(|b| u16::from_le_bytes(b.try_into().unwrap())).collect();
+    assert_eq!(words[..4], [65535, 0, 0, 65535]);
+    // Half of the light.
+    assert!((f64::from(words[5]) / 65535.0 - 0.503).abs() < 1e-3, "{words:?}");
+    let surface = twin.surface.as_ref().unwrap();
+    for frame in 0..3 {
+        let nodes = &motion.nodes[5 * frame..5 * frame + 5];
+        let posed = file.posed(0, frame);
+        for (p, q) in posed.iter().zip(surface.positions(nodes)) {
+            assert!((0..3).all(|a| (p[a] - q[a]).abs() < 1e-6), "{p:?} {q:?}");
+        }
+    }
 }

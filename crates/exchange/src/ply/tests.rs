@@ -5,7 +5,7 @@ use bendtwin_mesh::{Limits, parse};
 use super::*;
 use crate::{
     Format,
-    testing::{encoded, mesh, motion, twin},
+    testing::{encoded, mesh, motion, twin, with_surface},
     write as write_file,
 };
 
@@ -62,4 +62,25 @@ fn a_sequence_has_a_file_for_each_frame_in_a_folder_or_an_archive() {
         let read = parse(&name, &content, &Limits::default()).unwrap();
         assert_eq!(read.vertices, scene.points_at(frame).to_vec());
     }
+}
+
+#[test]
+fn a_surface_has_colours_in_ply_and_obj() {
+    let twin = with_surface();
+    let scene = Scene::new("a", &twin, PointSet::Surface, None).unwrap();
+    let file = encoded(&scene, Format::Ply);
+    let (header, data) = parts(&file);
+    assert!(header.contains("property uchar blue\n") && header.contains("element face 4\n"));
+    assert_eq!((data.len(), &data[12..15]), (4 * 15 + 4 * 13, &[255, 0, 0][..]));
+    for name in ["a.ply", "a.obj"] {
+        let format = Format::of_path(Path::new(name)).unwrap();
+        let read = parse(name, &encoded(&scene, format), &Limits::default()).unwrap();
+        assert_eq!(read.triangles, scene.triangles());
+        assert_eq!(read.vertices, *scene.points_at(0));
+    }
+    let text = String::from_utf8(encoded(&scene, Format::Obj)).unwrap();
+    assert!(
+        text.contains("v 0 0 0.5 1.0000 0.0000 0.0000\n") && text.contains("f 1 3 2\n"),
+        "{text}"
+    );
 }

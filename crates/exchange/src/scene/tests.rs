@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use bendtwin_core::{Point, Problem as _};
+use bendtwin_core::{Point, Problem as _, Skin};
 
 use super::*;
 use crate::{
@@ -103,4 +103,24 @@ fn the_twin_file_is_the_twin() {
     let scene = Scene::new("a", &twin, PointSet::Nodes, None).unwrap();
     write(&scene, Format::of_path(&path).unwrap(), &path).unwrap();
     assert_eq!(Twin::decode(&std::fs::read(&path).unwrap()).unwrap(), twin);
+}
+
+#[test]
+fn a_twin_without_a_surface_gets_one_unless_its_points_are_too_few() {
+    let few = twin();
+    assert_eq!(reason(Scene::new("a", &few, PointSet::Surface, None)), "EXPORT_NO_POINTS");
+    // Points all around a ball, on one node each.
+    let mut many = few;
+    let golden = std::f32::consts::PI * (3.0 - 5.0_f32.sqrt());
+    let place = |i: u16| {
+        let (z, turn) = (1.0 - (2.0 * f32::from(i) + 1.0) / 300.0, golden * f32::from(i));
+        let across = (1.0 - z * z).sqrt();
+        [0.1 * across * turn.cos(), 0.1 * across * turn.sin(), 0.1 * z]
+    };
+    many.skin = Skin::default();
+    for i in 0..300 {
+        many.skin.push(u32::from(i), &[(0, 1.0)], [Skin::NO_FRAME; 3], place(i));
+    }
+    let scene = Scene::new("a", &many, PointSet::Surface, None).unwrap();
+    assert!(scene.triangles().len() > 100 && scene.colors().is_empty());
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     Format,
-    testing::{encoded, mesh, motion, twin},
+    testing::{encoded, mesh, motion, twin, with_surface},
 };
 
 fn text(scene: &Scene<'_>) -> String {
@@ -50,4 +50,18 @@ fn a_mesh_has_its_faces() {
     let text = text(&Scene::new("a", &twin, PointSet::Mesh(&mesh), None).unwrap());
     assert!(text.contains("def Mesh \"Surface\"") && text.contains("[3, 3, 3, 3]"));
     assert!(text.contains("faceVertexIndices = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]"));
+}
+
+#[test]
+fn a_surface_has_its_colours_and_a_package_has_it_uncompressed() {
+    let twin = with_surface();
+    let scene = Scene::new("a", &twin, PointSet::Surface, None).unwrap();
+    let text = text(&scene);
+    let line = text.lines().find(|l| l.contains("primvars:displayColor")).unwrap();
+    let colors = numbers(line.split_once(" (interpolation").unwrap().0);
+    assert_eq!((colors[0], colors[9..].to_vec()), (1.0, vec![1.0; 3]));
+    let package = encoded(&scene, Format::Usdz);
+    let at = package.windows(text.len()).position(|w| w == text.as_bytes()).unwrap();
+    assert_eq!(at % 64, 0);
+    assert_eq!(package[..4], *b"PK\x03\x04");
 }
