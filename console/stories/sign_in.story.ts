@@ -62,6 +62,7 @@ describe('signing in with an identity provider', () => {
     const key = await keyOf(visit);
     expect(key).toMatch(/^bt_/);
     expect((await callerOf(key)).owner).toBe('ada@example.org');
+    await visit.page.locator('header').getByText('ada@example.org').waitFor();
     const kept = await visit.page.evaluate(() => [localStorage.length, sessionStorage.length, document.cookie]);
     expect(kept).toEqual([0, 1, '']);
     expect(await server.run('key', 'list')).toMatch(/signed in until .*ada@example\.org/);
@@ -98,6 +99,26 @@ describe('signing in with an identity provider', () => {
     await stranger.goto(address);
     await stranger.getByRole('alert').filter({ hasText: 'was not begun in this tab' }).waitFor();
     expect(stranger.url()).toBe(`${server.url}/#/login`);
+    await visit.close();
+  });
+
+  it('begins at the address to which the provider sends browsers back', async () => {
+    const visit = await Visit.open(browser, server);
+    const elsewhere = server.url.replace('127.0.0.1', 'localhost');
+    visit.allow(/status of 401/, new RegExp(elsewhere), ...ofProvider());
+    await visit.page.goto(`${elsewhere}/#/workers?x=1`);
+    await visit.heading('Log in');
+    // The token is for those who run the server.
+    await visit.page.getByText('Log in with the token or a key').waitFor();
+    expect(await visit.page.getByLabel('Token', { exact: true }).isVisible()).toBe(false);
+    await visit.page.getByText('Sign-in is at another address of this server').waitFor();
+    await visit.page.getByRole('button', { name: 'Sign in with the lab' }).click();
+    await visit.page.waitForURL(`${server.url}/#/login?next=*`);
+    await visit.page.getByRole('button', { name: 'Sign in with the lab' }).click();
+    await confirm(visit.page, 'ada');
+    visit.allow(/status of 403 .*usage\/owners/);
+    await visit.heading('Workers');
+    expect(visit.page.url()).toBe(`${server.url}/#/workers?x=1`);
     await visit.close();
   });
 
@@ -141,32 +162,51 @@ describe('signing in with an identity provider', () => {
   });
 });
 
+/** Runs `bendtwin login`, which somebody confirms in a browser. */
+async function logIn(account: string): Promise<void> {
+  const login = spawn(binary(), ['login', '--no-browser'], { env: server.environment });
+  let asked = '';
+  let printed = '';
+  login.stderr.on('data', (piece: Buffer) => (asked += piece.toString()));
+  login.stdout.on('data', (piece: Buffer) => (printed += piece.toString()));
+  const ended = new Promise<number | null>((resolve) => login.on('exit', resolve));
+  await expect.poll(() => asked).toMatch(/Open \S+ and enter the code \S+/);
+  const [, address = '', code = ''] = /Open (\S+) and enter the code (\S+)/.exec(asked) ?? [];
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.goto(address);
+  await page.locator('input[name=user_code]').fill(code);
+  await page.getByRole('button', { name: 'Continue' }).click();
+  await page.getByRole('button', { name: 'Continue' }).click();
+  await confirm(page, account);
+  expect([await ended, asked]).toEqual([0, asked]);
+  expect(printed).toContain(`signed in as ${account}@example.org until`);
+  await context.close();
+}
+
+/** Names of the keys with which somebody is signed in. */
+async function validSignIns(account: string): Promise<string[]> {
+  const answer = await fetch(`${server.url}/v1/keys`, { headers: { authorization: `Bearer ${server.token}` } });
+  const { keys } = (await answer.json()) as { keys: { name: string; owner: string; revoke_time: string | null }[] };
+  return keys.filter((key) => key.owner === `${account}@example.org` && key.revoke_time === null).map((key) => key.name);
+}
+
 describe('bendtwin login', () => {
   it('waits for a person with a browser, keeps a key, and removes it', async () => {
     expect(await server.run('whoami')).toContain('local');
-    const login = spawn(binary(), ['login', '--no-browser'], { env: server.environment });
-    let asked = '';
-    let printed = '';
-    login.stderr.on('data', (piece: Buffer) => (asked += piece.toString()));
-    login.stdout.on('data', (piece: Buffer) => (printed += piece.toString()));
-    const ended = new Promise<number | null>((resolve) => login.on('exit', resolve));
-    await expect.poll(() => asked).toMatch(/Open \S+ and enter the code \S+/);
-    const [, address = '', code = ''] = /Open (\S+) and enter the code (\S+)/.exec(asked) ?? [];
-    const context = await browser.newContext();
-    const page = await context.newPage();
-    await page.goto(address);
-    await page.locator('input[name=user_code]').fill(code);
-    await page.getByRole('button', { name: 'Continue' }).click();
-    await page.getByRole('button', { name: 'Continue' }).click();
-    await confirm(page, 'linus');
-    expect([await ended, asked]).toEqual([0, asked]);
-    expect(printed).toContain('signed in as linus@example.org until');
+    await logIn('linus');
     expect(await server.run('whoami')).toMatch(/^linus@example\.org, signed in until .*\nscopes: captures:read, fits:read, twins:read/);
     await server.run('twin', 'list');
     await expect(server.run('key', 'list')).rejects.toThrow('admin');
+    // A second sign-in takes the place of the first one, and ends it.
+    const first = await validSignIns('linus');
+    expect(first).toHaveLength(1);
+    await logIn('linus');
+    const second = await validSignIns('linus');
+    expect(second).toHaveLength(1);
+    expect(second).not.toEqual(first);
     expect(await server.run('logout')).toContain('signed out');
     expect(await server.run('logout')).toContain('not signed in');
     expect(await server.run('whoami')).toContain('local');
-    await context.close();
   });
 });

@@ -16,12 +16,12 @@ use std::{sync::Arc, time::Instant};
 use bendtwin_core::{Category, Fault, ids::KeyId};
 use bendtwin_store::{Creator, Memberships, Quotas};
 
-use self::refusals::{Refusals, Refused};
 use crate::{audit, refusal::Refusal};
 
 pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};
 pub(crate) use key_ring::{Holder, KeyRing};
+pub(crate) use refusals::{Refusals, Refused};
 pub use scopes::Scope;
 pub(crate) use scopes::{Grant, Scopes};
 pub use table::{Access, TABLE};

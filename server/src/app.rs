@@ -37,7 +37,7 @@ use tokio::sync::Notify;
 use tokio_util::sync::{CancellationToken, WaitForCancellationFutureOwned};
 
 use crate::{
-    access::{Gate, KeyRing, Tokens},
+    access::{Gate, KeyRing, Refusals, Tokens},
     dispatch::Dispatch,
     memory::Memory,
     metrics::Metrics,
@@ -87,6 +87,9 @@ pub(crate) struct Inner {
     keys: KeyRing,
     /// Sign-in of people, if the server has an identity provider.
     sign_in: Option<SignIn>,
+    /// Refused sign-ins in the audit, and failed ones in the log.
+    refused_sign_ins: Refusals,
+    failed_sign_ins: Refusals,
     metrics: Metrics,
     readiness: Readiness,
     stored_numbers: StoredNumbers,
@@ -136,6 +139,8 @@ impl App {
             tokens: Tokens::new(options.worker_token.as_deref()),
             keys: KeyRing::new(store.clone(), options.quotas.to_store()),
             sign_in,
+            refused_sign_ins: Refusals::default(),
+            failed_sign_ins: Refusals::default(),
             metrics,
             readiness: Readiness::default(),
             stored_numbers: StoredNumbers::default(),

@@ -74,6 +74,29 @@ pub(crate) fn not_admitted(caller: &Caller, reason: &str, times: u64) {
     );
 }
 
+/// Notes a sign-in, which comes from someone who is not known before it; `times` counts equal ones
+/// since the last line. The new key is what was made.
+pub(crate) fn signed_in<T>(
+    method: &'static str,
+    done: &Result<T>,
+    times: u64,
+    name: impl Fn(&T) -> String,
+) {
+    let Context { caller, request_id, network, .. } = Context::current();
+    tracing::info!(
+        target: "audit",
+        key = caller.key.map(|key| key.to_string()).unwrap_or_default(),
+        owner = &*caller.owner,
+        method,
+        resource = done.as_ref().map_or_else(|_| String::new(), name),
+        result = done.as_ref().map_or_else(|error| error.reason(), |_| "OK"),
+        times,
+        client = network.map(|network| network.to_string()).unwrap_or_default(),
+        request_id,
+        "change"
+    );
+}
+
 /// Notes a resource that was made; `name` is what it is called.
 pub(crate) fn made<T>(method: &'static str, done: &Result<T>, name: impl Fn(&T) -> String) {
     changed(method, done.as_ref().map_or_else(|_| String::new(), name), done);
@@ -101,7 +124,8 @@ mod tests {
             }
             let source = std::fs::read_to_string(path).unwrap();
             for call in source.split("audit::").skip(1) {
-                let call = call.strip_prefix("changed(").or_else(|| call.strip_prefix("made("));
+                let kinds = ["changed(", "made(", "signed_in("];
+                let call = kinds.iter().find_map(|kind| call.strip_prefix(kind));
                 let method = call.and_then(|call| call.split('"').nth(1));
                 audited.extend(method.map(str::to_owned));
             }

@@ -5,6 +5,7 @@
 //!
 //! The outcome is a [`Person`]; `app/keys/sign_ins.rs` makes a key for them.
 
+mod calls;
 mod error;
 mod http;
 mod id_token;
@@ -13,16 +14,19 @@ mod provider;
 mod rate;
 mod signatures;
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use axum::http::{HeaderValue, StatusCode};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use serde::{Deserialize, de::DeserializeOwned};
-use tokio::sync::{Semaphore, SemaphorePermit};
 use url::{Url, form_urlencoded};
 
 use self::{
-    error::plain,
+    calls::{Call, Calls},
+    error::{MORE, plain, shown},
     http::Http,
     id_token::{Claims, Expected},
     provider::{Metadata, Provider},
@@ -37,8 +41,6 @@ use crate::{
 pub(crate) use error::Error;
 pub(crate) use person::Person;
 
-/// Calls of the provider at a time.
-const CALLS: usize = 32;
 /// Delay between two questions whether a device is confirmed, if the provider states none.
 const INTERVAL: Duration = Duration::from_secs(5);
 /// Longest time for which a device may wait for its person [s].
@@ -55,8 +57,10 @@ struct Inner {
     options: Options,
     secret: Option<String>,
     provider: Provider,
+    /// Rate of what calls the provider, and of starts that do not.
     rate: Rate,
-    calls: Semaphore,
+    starts: Rate,
+    calls: Calls,
 }
 
 /// Leaves the secret out.
@@ -88,8 +92,9 @@ pub(crate) struct Device {
     pub(crate) user_code: String,
     #[serde(alias = "verification_url")]
     pub(crate) verification_uri: String,
+    /// Some providers state it as null.
     #[serde(default)]
-    pub(crate) verification_uri_complete: String,
+    pub(crate) verification_uri_complete: Option<String>,
     #[serde(default)]
     pub(crate) interval: Option<f64>,
     pub(crate) expires_in: f64,
@@ -123,8 +128,9 @@ impl SignIn {
             secret: secret.transpose()?,
             provider: Provider::new(&options.issuer, http),
             options: options.clone(),
-            rate: Rate::default(),
-            calls: Semaphore::new(CALLS),
+            rate: Rate::new(rate::OF_CALLS),
+            starts: Rate::new(rate::OF_STARTS),
+            calls: Calls::default(),
         })))
     }
 
@@ -134,8 +140,7 @@ impl SignIn {
 
     /// The address of the provider for a browser.
     pub(crate) async fn address(&self, challenge: &Challenge) -> Result<String, Error> {
-        let _call = self.admit()?;
-        let metadata = self.0.provider.known().await?.metadata;
+        let metadata = self.metadata_for_start().await?;
         let mut url = Url::parse(&metadata.authorization_endpoint)
             .map_err(|e| Error::Unusable { what: "an address", fault: e.to_string() })?;
         url.query_pairs_mut()
@@ -164,11 +169,12 @@ impl SignIn {
             let fault = "its address for people is not https://".to_owned();
             return Err(Error::Unusable { what: "a code for a device", fault });
         }
-        let complete = Some(device.verification_uri_complete).filter(|uri| trusts(uri));
+        let complete = device.verification_uri_complete.filter(|uri| trusts(uri));
         let interval = Some(interval(device.interval).as_secs_f64());
         let expires_in = device.expires_in.clamp(1.0, LONGEST_WAIT_S);
         Ok(Device {
-            verification_uri_complete: complete.unwrap_or_default(),
+            user_code: shown(&device.user_code),
+            verification_uri_complete: complete,
             interval,
             expires_in,
             ..device
@@ -248,12 +254,19 @@ impl SignIn {
             serde_json::from_slice(&answer.body).unwrap_or_default();
         Err(match error.as_str() {
             "authorization_pending" => Error::Pending { delay: INTERVAL },
-            "slow_down" => Error::Pending { delay: 2 * INTERVAL },
+            // The device adds this to its interval, which it alone knows.
+            "slow_down" => Error::SlowDown { delay: INTERVAL + MORE },
             "" => Error::Refused(format!("it answers {}", answer.status.as_u16())),
-            word => Error::Refused(match plain(&error_description) {
-                text if text.is_empty() => plain(word),
-                text => format!("{} ({text})", plain(word)),
-            }),
+            word => {
+                let said = match plain(&error_description) {
+                    text if text.is_empty() => plain(word),
+                    text => format!("{} ({text})", plain(word)),
+                };
+                match word {
+                    "invalid_client" | "unauthorized_client" => Error::Client(said),
+                    _ => Error::Refused(said),
+                }
+            }
         })
     }
 
@@ -281,13 +294,24 @@ impl SignIn {
         Ok((form.finish(), credentials))
     }
 
+    /// What the provider states, for a start. Usually it is known, and the provider is not called: such
+    /// starts have a separate rate, so that slow or many calls do not stop them.
+    async fn metadata_for_start(&self) -> Result<Arc<Metadata>, Error> {
+        if let Some(known) = self.0.provider.cached() {
+            let may = self.0.starts.admit(Context::current().network, Instant::now());
+            return if may { Ok(known.metadata) } else { Err(Error::Busy) };
+        }
+        let _call = self.admit()?;
+        Ok(self.0.provider.known().await?.metadata)
+    }
+
     /// Counts a call of the provider, which is one of a limited number as long as the result is held.
-    fn admit(&self) -> Result<SemaphorePermit<'_>, Error> {
+    fn admit(&self) -> Result<Call<'_>, Error> {
         let network = Context::current().network;
-        if !self.0.rate.admit(network, std::time::Instant::now()) {
+        if !self.0.rate.admit(network, Instant::now()) {
             return Err(Error::Busy);
         }
-        self.0.calls.try_acquire().map_err(|_| Error::Busy)
+        self.0.calls.begin(network).ok_or(Error::Busy)
     }
 }
 
@@ -345,12 +369,33 @@ fn read_secret(path: &std::path::Path) -> std::io::Result<String> {
     {
         use std::os::unix::fs::PermissionsExt as _;
         if file.metadata()?.permissions().mode() & 0o007 != 0 {
-            return Err(std::io::Error::other("other users can read it: `chmod o= FILE`"));
+            let path = path.display();
+            let fault = format!("other users can read it: `chmod o= {path}`");
+            return Err(std::io::Error::other(fault));
         }
     }
     let text = std::io::read_to_string(file)?;
     match text.trim() {
         "" => Err(std::io::Error::other("it is empty")),
         secret => Ok(secret.to_owned()),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use super::*;
+
+    #[test]
+    fn a_secret_that_others_can_read_is_refused_with_a_command_that_names_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("client-secret");
+        std::fs::write(&path, "secret\n").unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).unwrap();
+        let refused = read_secret(&path).unwrap_err().to_string();
+        assert!(refused.contains(&format!("`chmod o= {}`", path.display())), "{refused}");
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).unwrap();
+        assert_eq!(read_secret(&path).unwrap(), "secret");
     }
 }

@@ -2955,6 +2955,8 @@ export interface components {
             display_name: string;
             /** @description False where the server has no identity provider. */
             enabled: boolean;
+            /** @description Origin at which browsers have to begin, since the provider sends them back to it: `https://twin.example`. Empty without a provider. */
+            public_url: string;
         };
         Sphere: {
             /** @description Centre, three numbers; absent: the origin. */

@@ -26,6 +26,18 @@ export function takeReturnFromAddress(): void {
   history.replaceState(null, '', '/#/login');
 }
 
+/**
+ * Address of the login page at the origin to which the identity provider sends browsers back, where the
+ * sign-in has to begin; null at that origin. `next` stays behind the `#`, so it leads to no other site.
+ */
+export function loginElsewhere(publicUrl: string, next: string, here: string): string | null {
+  if (!URL.canParse(publicUrl)) return null;
+  const { protocol, origin } = new URL(publicUrl);
+  if (!['https:', 'http:'].includes(protocol) || origin === here) return null;
+  const query = next === '#/' ? '' : `?${new URLSearchParams({ next })}`;
+  return `${origin}/#/login${query}`;
+}
+
 /** Begins a sign-in: the browser leaves for the identity provider. */
 export async function beginSignIn(api: Api, next: string, signal: AbortSignal): Promise<void> {
   const begun: Begun = { state: random(), nonce: random(), verifier: random(), next };

@@ -13,6 +13,7 @@ export type Twin = Schemas['Twin'];
 export type TrashedResource = Schemas['TrashedResource'];
 export type Worker = Schemas['Worker'];
 export type OwnerUsage = Schemas['OwnerUsage'];
+export type SignIn = Schemas['SignInOptions'];
 export type LossCurve = Schemas['FitLosses.LossCurve'];
 export type Evaluation = Schemas['Evaluation'];
 export type PredictedMotion = Schemas['PredictedMotion'];

@@ -1,6 +1,7 @@
 import { Problem } from '../api/client';
-import { beginSignIn, endSignIn, hasReturned } from '../api/sign_in';
+import { beginSignIn, endSignIn, hasReturned, loginElsewhere } from '../api/sign_in';
 import { setToken } from '../api/token';
+import type { SignIn } from '../api/types';
 import type { OpenPage, PageContext } from '../page';
 import { h } from '../ui/dom';
 import { command } from '../ui/empty';
@@ -8,7 +9,7 @@ import { field } from '../ui/form';
 import { problemBox } from '../ui/problem';
 
 /** The page that lets people sign in, or asks for the token, and then leads back to where one was. */
-export const open: OpenPage = (context) => {
+export const open: OpenPage = async (context) => {
   context.setTitle('Log in');
   const input = h('input', {
     type: 'password',
@@ -35,29 +36,46 @@ export const open: OpenPage = (context) => {
     fault,
     h('div', { class: 'buttons' }, button),
   );
-  const signIn = h('div', { class: 'login' });
-  void (hasReturned() ? endHere(context, signIn) : offer(context, signIn));
-  return { element: h('div', {}, signIn, form) };
+  const signIn = await signInOptions(context);
+  if (signIn === null && !hasReturned()) return { element: form };
+  const place = h('div', { class: 'login' });
+  if (hasReturned()) void endHere(context, place, signIn);
+  else if (signIn !== null) offer(context, place, signIn);
+  // People sign in; the token is for those who run the server.
+  const other = h('details', {}, h('summary', {}, 'Log in with the token or a key'), form);
+  return { element: h('div', {}, place, other) };
 };
 
-/** Shows the button of the identity provider, if the server has one. */
-async function offer(context: PageContext, place: HTMLElement): Promise<void> {
-  const { api, signal } = context;
+/** What the server says about its identity provider; null if it has none. */
+async function signInOptions({ api, signal }: PageContext): Promise<SignIn | null> {
   try {
-    const { enabled, display_name } = await api.get('/v1/sign-in', { signal });
-    if (!enabled || signal.aborted) return;
-    const ended = context.query.get('ended') !== null;
-    const fault = h('div');
-    const button = h('button', { type: 'button', class: 'primary' }, 'Sign in with ', h('bdi', {}, display_name ?? ''));
-    button.addEventListener('click', () => void leave(button, fault, () => beginSignIn(api, next(context.query), signal), signal));
-    place.append(
-      ended ? h('p', { role: 'status' }, 'Your sign-in has ended. Sign in again.') : '',
-      h('div', { class: 'buttons' }, button),
-      fault,
-    );
+    const options = await api.get('/v1/sign-in', { signal });
+    return options.enabled ? options : null;
   } catch {
     // The token still lets people in; the banner says if the server does not answer.
+    return null;
   }
+}
+
+/** Shows the button of the identity provider. */
+function offer(context: PageContext, place: HTMLElement, { display_name, public_url }: SignIn): void {
+  const { api, signal } = context;
+  const after = next(context.query);
+  const elsewhere = loginElsewhere(public_url ?? '', after, location.origin);
+  const ended = context.query.get('ended') !== null;
+  const fault = h('div');
+  const button = h('button', { type: 'button', class: 'primary' }, 'Sign in with ', h('bdi', {}, display_name ?? ''));
+  const go = async (): Promise<void> => {
+    if (elsewhere === null) await beginSignIn(api, after, signal);
+    else location.assign(elsewhere);
+  };
+  button.addEventListener('click', () => void leave(button, fault, go, signal));
+  place.append(
+    ended ? h('p', { role: 'status' }, 'Your sign-in has ended. Sign in again.') : '',
+    elsewhere === null ? '' : h('p', {}, 'Sign-in is at another address of this server: ', new URL(elsewhere).origin),
+    h('div', { class: 'buttons' }, button),
+    fault,
+  );
 }
 
 /** Does what leaves the page, and shows why that failed. */
@@ -72,7 +90,7 @@ async function leave(button: HTMLButtonElement, fault: HTMLElement, doing: () =>
 }
 
 /** Ends the sign-in from which the browser has come back. */
-async function endHere(context: PageContext, place: HTMLElement): Promise<void> {
+async function endHere(context: PageContext, place: HTMLElement, options: SignIn | null): Promise<void> {
   const { api, signal } = context;
   place.replaceChildren(h('p', { role: 'status' }, 'Signing in…'));
   try {
@@ -82,7 +100,7 @@ async function endHere(context: PageContext, place: HTMLElement): Promise<void> 
   } catch (error) {
     if (signal.aborted) return;
     place.replaceChildren(problemBox(error));
-    await offer(context, place);
+    if (options !== null) offer(context, place, options);
   }
 }
 

@@ -30,6 +30,7 @@ export function frame(app: HTMLElement, api: Api, logOut: () => void): Frame {
   const place = h('div', { class: 'page' });
   const main = h('main', { id: 'main', tabindex: '-1' }, heading, place);
   const links = ENTRIES.map(([text, part]) => h('a', { href: `#/${part}` }, text));
+  const who = h('bdi', { class: 'who', hidden: true });
   const leave = h('button', { type: 'button', class: 'small', onclick: logOut }, 'Log out');
   // A link by an address within the page would be taken for the address of another page.
   const skip = (event: Event): void => {
@@ -43,14 +44,21 @@ export function frame(app: HTMLElement, api: Api, logOut: () => void): Frame {
       { class: 'bar' },
       h('a', { class: 'home', href: '#/' }, 'BendTwin'),
       h('nav', { 'aria-label': 'Main' }, ...links),
+      who,
       leave,
     ),
     lostBanner(api),
     main,
     status,
   );
+  let shown: string | null = null;
   const mark = (path: string): void => {
     leave.hidden = token() === null;
+    if (token() !== shown) {
+      shown = token();
+      who.hidden = true;
+      void showPerson(api, who);
+    }
     const first = path.split('/')[1] === 'plays' ? 'twins' : path.split('/')[1];
     ENTRIES.forEach(([, part], index) => {
       if (part === first) links[index]?.setAttribute('aria-current', 'page');
@@ -58,6 +66,21 @@ export function frame(app: HTMLElement, api: Api, logOut: () => void): Frame {
     });
   };
   return { heading, place, status, mark };
+}
+
+/** Shows the name of the person who has signed in; a token or a key is nobody's. */
+async function showPerson(api: Api, place: HTMLElement): Promise<void> {
+  const asked = token();
+  if (asked === null) return;
+  try {
+    const { owner, is_sign_in } = await api.get('/v1/caller', { signal: new AbortController().signal });
+    if (!is_sign_in || token() !== asked) return;
+    place.textContent = owner;
+    place.title = owner;
+    place.hidden = false;
+  } catch {
+    // The page that is opened shows what is wrong.
+  }
 }
 
 /** Banner shown while the server does not answer. */

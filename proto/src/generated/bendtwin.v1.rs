@@ -8136,6 +8136,10 @@ pub struct SignInOptions {
     /// Name of the provider, for people.
     #[prost(string, tag = "2")]
     pub display_name: ::prost::alloc::string::String,
+    /// Origin at which browsers have to begin, since the provider sends them back to it: `<https://twin.example`.> Empty
+    /// without a provider.
+    #[prost(string, tag = "3")]
+    pub public_url: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StartSignInRequest {

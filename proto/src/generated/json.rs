@@ -2759,13 +2759,14 @@ written!(crate::v1::GetSignInOptionsRequest);
 
 impl Fields for crate::v1::SignInOptions {
     const NAME: &'static str = "SignInOptions";
-    const FIELDS: &'static [&'static str] = &["enabled", "display_name"];
+    const FIELDS: &'static [&'static str] = &["enabled", "display_name", "public_url"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.enabled = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 1 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.public_url = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -2775,6 +2776,7 @@ impl Fields for crate::v1::SignInOptions {
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         map.serialize_entry("enabled", &self.enabled)?;
 map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("public_url", &self.public_url)?;
 
         Ok(())
     }

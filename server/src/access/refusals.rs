@@ -40,7 +40,7 @@ struct Record {
 
 impl Refusals {
     /// Notes a refusal at a time. Returns the number to write, if it is time to write.
-    pub(super) fn note(&self, refused: Refused, call: &str, now: Instant) -> Option<u64> {
+    pub(crate) fn note(&self, refused: Refused, call: &str, now: Instant) -> Option<u64> {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_old = |record: &Record| now.saturating_duration_since(record.at) >= INTERVAL;
         if let Some(record) = all.get_mut(&(refused, call.to_owned())) {

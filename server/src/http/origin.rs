@@ -36,7 +36,7 @@ impl Hosts {
     }
 
     /// `localhost`, any address, and the configured names: a page elsewhere has no such name.
-    fn allows(&self, host: &str) -> bool {
+    pub(crate) fn allows(&self, host: &str) -> bool {
         host.eq_ignore_ascii_case("localhost")
             || host.trim_matches(['[', ']']).parse::<IpAddr>().is_ok()
             || self.names.iter().any(|name| name == "*" || name.eq_ignore_ascii_case(host))

@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 use url::{Host, Url};
 
 use super::{ClientTokenPolicy, DefaultQuotas, Options};
-use crate::access::{Grant, Scope};
+use crate::{
+    access::{Grant, Scope},
+    http::origin::Hosts,
+};
 
 /// Longest list of each kind.
 const MOST: usize = 1000;
@@ -104,6 +107,12 @@ impl SignIn {
         format!("{}/{REDIRECT_PATH}", self.public_url.trim_end_matches('/'))
     }
 
+    /// The origin of the public address, as browsers write it.
+    pub(crate) fn origin(&self) -> String {
+        let url = Url::parse(&self.public_url);
+        url.map(|url| url.origin().ascii_serialization()).unwrap_or_default()
+    }
+
     pub(crate) fn session(&self) -> Duration {
         Duration::from_secs_f64(self.session_s)
     }
@@ -182,6 +191,15 @@ impl Options {
     pub(super) fn sign_in_faults(&self) -> Vec<String> {
         let Some(sign_in) = &self.sign_in else { return Vec::new() };
         let mut faults = sign_in.faults();
+        let public = Url::parse(&sign_in.public_url).ok();
+        if let Some(host) = public.as_ref().and_then(Url::host_str)
+            && !Hosts::new(&self.allowed_hosts).allows(host)
+        {
+            faults.push(format!(
+                "sign_in.public_url has the host {host}, which is not among allowed_hosts, so the server \
+                 would refuse browsers that come back: add it (--allowed-host {host})"
+            ));
+        }
         if self.client_token == ClientTokenPolicy::None {
             faults
                 .push("sign_in has no effect with client_token = \"none\": remove one".to_owned());
@@ -222,7 +240,8 @@ mod tests {
         let mut options = SignIn::new("https://id.example", "bendtwin", "https://twin.example");
         options.default_scopes = vec!["twins:read".to_owned()];
         change(&mut options);
-        let options = Options { sign_in: Some(options), ..Options::default() };
+        let allowed_hosts = vec!["twin.example".to_owned()];
+        let options = Options { sign_in: Some(options), allowed_hosts, ..Options::default() };
         options.validate().err().unwrap_or_default().join("; ")
     }
 
@@ -260,7 +279,25 @@ mod tests {
         let mut sign_in = SignIn::new("https://id.example", "bendtwin", "https://twin.example");
         sign_in.default_scopes = vec!["twins:read".to_owned()];
         let client_token = ClientTokenPolicy::None;
-        let options = Options { sign_in: Some(sign_in), client_token, ..Options::default() };
+        let allowed_hosts = vec!["*".to_owned()];
+        let sign_in = Some(sign_in);
+        let options = Options { sign_in, client_token, allowed_hosts, ..Options::default() };
         assert!(options.validate().unwrap_err()[0].contains("client_token"));
+    }
+
+    #[test]
+    fn browsers_can_come_back_to_the_public_address() {
+        for accepted in ["https://Twin.example:8443", "http://localhost:7070", "https://10.0.0.7"] {
+            assert_eq!(faults(|o| o.public_url = accepted.into()), "", "{accepted}");
+        }
+        let found = faults(|o| o.public_url = "https://other.example".into());
+        assert!(found.contains("sign_in.public_url") && found.contains("allowed_hosts"), "{found}");
+    }
+
+    #[test]
+    fn an_origin_is_written_as_browsers_do() {
+        let origin = |url: &str| SignIn::new("https://id.example", "bendtwin", url).origin();
+        assert_eq!(origin("https://Twin.example:443/"), "https://twin.example");
+        assert_eq!(origin("http://127.0.0.1:7070"), "http://127.0.0.1:7070");
     }
 }

@@ -11,6 +11,7 @@ use hyper_util::{
     client::legacy::Client,
     rt::{TokioExecutor, TokioTimer},
 };
+use url::Url;
 
 use super::error::{Error, plain};
 
@@ -109,9 +110,31 @@ fn request(method: Method, url: &str, credentials: Option<HeaderValue>) -> Build
 }
 
 fn away(url: &str, error: &(dyn std::error::Error + 'static)) -> Error {
-    if let Some(found) = TlsError::find(error, url) {
-        return Error::Away(plain(&found.to_string()));
+    let host = Url::parse(url).ok().and_then(|url| url.host_str().map(str::to_owned));
+    if let Some(found) = TlsError::find(error, host.as_deref().unwrap_or(url)) {
+        return Error::Away(plain(&found.with_authority_in("option sign_in.ca").to_string()));
     }
     let cause = std::iter::successors(Some(error), |e| e.source()).last().unwrap_or(error);
     Error::Away(plain(&cause.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use rustls::{CertificateError, Error as Fault};
+
+    use super::*;
+
+    #[test]
+    fn an_authority_that_is_missing_is_an_option() {
+        let fault = Fault::InvalidCertificate(CertificateError::UnknownIssuer);
+        let error = io::Error::other(fault);
+        let text = away("https://id.example/realms/lab/token?a=b", &error).to_string();
+        assert!(
+            text.contains("of id.example is") && text.contains("(option sign_in.ca)"),
+            "{text}"
+        );
+        assert!(!text.contains("--ca"), "{text}");
+    }
 }

@@ -76,14 +76,27 @@ fn owner(claims: &Claims, options: &SignIn) -> Result<String, Error> {
             "the claim `{claim}` has more than 200 characters, or control characters"
         )));
     }
+    if claim == "email" && !claims.contains_key("email_verified") {
+        return Err(Error::NotAllowed(format!(
+            "the identity provider does not state whether the address {} is verified (claim \
+             `email_verified`)",
+            plain(given)
+        )));
+    }
     if claim == "email" && !is_verified(claims.get("email_verified")) {
         return Err(Error::NotAllowed(format!(
             "the identity provider has not verified the address {}",
             plain(given)
         )));
     }
+    if (claim == "email" || given.contains('@')) && !is_address(given) {
+        return Err(Error::NotAllowed(format!(
+            "the claim `{claim}` is no e-mail address of ASCII characters: {}",
+            plain(given)
+        )));
+    }
     // Addresses are equal regardless of case, in practice if not by the standard.
-    let owner = if given.contains('@') { given.to_lowercase() } else { given.to_owned() };
+    let owner = if given.contains('@') { given.to_ascii_lowercase() } else { given.to_owned() };
     if owner == TOKEN_OWNER {
         let fault = format!("`{TOKEN_OWNER}` is the owner of what is made with the server's token");
         return Err(Error::NotAllowed(fault));
@@ -98,6 +111,17 @@ fn owner(claims: &Claims, options: &SignIn) -> Result<String, Error> {
         }
         _ => Err(Error::NotAllowed(format!("{owner} is of no domain that may use this server"))),
     }
+}
+
+/// True for a plain address. Other letters could become those of another person's address: the Kelvin
+/// sign in lower case is a k.
+fn is_address(text: &str) -> bool {
+    let mut parts = text.split('@');
+    let has_parts = matches!(
+        (parts.next(), parts.next(), parts.next()),
+        (Some(local), Some(domain), None) if !local.is_empty() && !domain.is_empty()
+    );
+    has_parts && text.bytes().all(|b| b.is_ascii_graphic())
 }
 
 /// Some providers write truth values as text.
@@ -157,6 +181,32 @@ mod tests {
         }
         let refused = person(json!({"sub": "1"}), &options()).unwrap_err().to_string();
         assert!(refused.contains("`email`"), "{refused}");
+        let unstated = json!({"sub": "1", "email": "ann@example.org"});
+        let refused = person(unstated, &options()).unwrap_err().to_string();
+        assert!(refused.contains("`email_verified`"), "{refused}");
+    }
+
+    #[test]
+    fn an_address_is_ascii_and_has_two_parts() {
+        for wrong in [
+            "mi\u{212a}e@example.org",
+            "ann@exam\u{131}ple.org",
+            "ann",
+            "@example.org",
+            "ann@",
+            "@",
+            "a@b@example.org",
+            "a nn@example.org",
+            "ann\u{200b}@example.org",
+        ] {
+            let claims = json!({"sub": "1", "email": wrong, "email_verified": true});
+            let refused = person(claims, &options()).unwrap_err().to_string();
+            assert!(refused.contains("no e-mail address"), "{wrong}: {refused}");
+        }
+        let by_upn = SignIn { owner_claim: "upn".into(), ..options() };
+        assert!(person(json!({"sub": "1", "upn": "mi\u{212a}e@example.org"}), &by_upn).is_err());
+        let renée = json!({"sub": "1", "upn": "Renée"});
+        assert_eq!(person(renée, &by_upn).unwrap().owner, "Renée");
     }
 
     #[test]

@@ -2,7 +2,10 @@
 //! first needed, kept for an hour, and used for a day if the provider is away. Keys are read again
 //! for a key that is not among them, but not more than once a minute.
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::{Arc, PoisonError, RwLock},
+    time::Duration,
+};
 
 use axum::http::StatusCode;
 use jsonwebtoken::jwk::Jwk;
@@ -24,6 +27,7 @@ const STALE: Duration = Duration::from_secs(86_400);
 const PAUSE: Duration = Duration::from_secs(5);
 /// Least time between two readings of keys because of a key that is not known.
 const UNKNOWN_KEY_INTERVAL: Duration = Duration::from_secs(60);
+const DISCOVERY: &str = "a discovery document";
 /// Most keys that are kept.
 const MOST_KEYS: usize = 100;
 
@@ -45,13 +49,13 @@ pub(super) struct Metadata {
 pub(super) struct Provider {
     issuer: String,
     pub(super) http: Http,
+    known: RwLock<Option<Known>>,
     /// Held while the provider is asked: others wait for that answer.
     state: Mutex<State>,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    known: Option<Known>,
     failed: Option<(Instant, Error)>,
     /// Last reading of keys because of a key that was not known.
     looked_up: Option<Instant>,
@@ -72,14 +76,33 @@ struct KeyList {
 
 impl Provider {
     pub(super) fn new(issuer: &str, http: Http) -> Self {
-        Self { issuer: issuer.to_owned(), http, state: Mutex::default() }
+        let (known, state) = (RwLock::default(), Mutex::default());
+        Self { issuer: issuer.to_owned(), http, known, state }
+    }
+
+    /// Endpoints and keys, if they are known well enough to be used without asking.
+    pub(super) fn cached(&self) -> Option<Known> {
+        self.younger_than(FRESH)
+    }
+
+    fn younger_than(&self, age: Duration) -> Option<Known> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        known.clone().filter(|known| known.read.elapsed() < age)
+    }
+
+    fn keep(&self, known: &Known) {
+        let mut kept = self.known.write().unwrap_or_else(PoisonError::into_inner);
+        *kept = Some(known.clone());
     }
 
     /// Endpoints and keys.
     pub(super) async fn known(&self) -> Result<Known, Error> {
+        if let Some(known) = self.cached() {
+            return Ok(known);
+        }
         let mut state = self.state.lock().await;
-        if let Some(known) = state.known.as_ref().filter(|known| known.read.elapsed() < FRESH) {
-            return Ok(known.clone());
+        if let Some(known) = self.cached() {
+            return Ok(known);
         }
         let failure = state.failed.as_ref().filter(|(at, _)| at.elapsed() < PAUSE);
         let read = match failure {
@@ -88,16 +111,16 @@ impl Provider {
         };
         match read {
             Ok(known) => {
-                *state = State { known: Some(known.clone()), ..State::default() };
+                *state = State::default();
+                self.keep(&known);
                 Ok(known)
             }
             Err(error) => {
                 if state.failed.as_ref().is_none_or(|(at, _)| at.elapsed() >= PAUSE) {
-                    tracing::warn!(issuer = self.issuer, %error, "the identity provider");
+                    tracing::warn!(issuer = self.issuer, %error, "the identity provider cannot be used");
                     state.failed = Some((Instant::now(), error.clone()));
                 }
-                let stale = state.known.as_ref().filter(|known| known.read.elapsed() < STALE);
-                stale.cloned().ok_or(error)
+                self.younger_than(STALE).ok_or(error)
             }
         }
     }
@@ -106,21 +129,31 @@ impl Provider {
     /// those that are known.
     pub(super) async fn newer_keys(&self) -> Result<Arc<Vec<Jwk>>, Error> {
         let mut state = self.state.lock().await;
-        let Some(known) = state.known.clone() else { return Ok(Arc::default()) };
+        let Some(known) = self.younger_than(STALE) else { return Ok(Arc::default()) };
         if state.looked_up.is_some_and(|at| at.elapsed() < UNKNOWN_KEY_INTERVAL) {
             return Ok(known.keys);
         }
+        let failure = state.failed.as_ref().filter(|(at, _)| at.elapsed() < PAUSE);
+        if let Some((_, error)) = failure {
+            return Err(error.clone());
+        }
+        // Only a reading that succeeds defers the next one.
+        let keys = match self.read_keys(&known.metadata.jwks_uri).await {
+            Ok(keys) => Arc::new(keys),
+            Err(error) => {
+                state.failed = Some((Instant::now(), error.clone()));
+                return Err(error);
+            }
+        };
         state.looked_up = Some(Instant::now());
-        let keys = Arc::new(self.read_keys(&known.metadata.jwks_uri).await?);
-        state.known = Some(Known { keys: keys.clone(), ..known });
+        self.keep(&Known { keys: keys.clone(), ..known });
         Ok(keys)
     }
 
     async fn read(&self) -> Result<Known, Error> {
-        const WHAT: &str = "a discovery document";
         let url = format!("{}/.well-known/openid-configuration", self.issuer.trim_end_matches('/'));
-        let metadata: Metadata = self.document(&url, WHAT).await?;
-        let unusable = |fault: String| Error::Unusable { what: WHAT, fault };
+        let metadata: Metadata = self.document(&url, DISCOVERY).await?;
+        let unusable = |fault: String| Error::Unusable { what: DISCOVERY, fault };
         if metadata.issuer != self.issuer {
             return Err(unusable(format!(
                 "its issuer is `{}`, not `{}`",
@@ -165,6 +198,10 @@ impl Provider {
         let answer = self.http.get(url, None).await?;
         if answer.status != StatusCode::OK {
             let status = answer.status.as_u16();
+            if answer.status == StatusCode::NOT_FOUND && what == DISCOVERY {
+                let fault = format!("{url} does not exist: compare sign_in.issuer");
+                return Err(Error::Unusable { what, fault });
+            }
             return Err(Error::Away(format!("it answers {status} when asked for {what}")));
         }
         serde_json::from_slice(&answer.body)

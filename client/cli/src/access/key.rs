@@ -82,7 +82,7 @@ pub(crate) async fn run(args: Key, global: &Global) -> anyhow::Result<()> {
         Command::Revoke { names, owner, sign_ins } => {
             let client = global.connect().await?;
             let names = match owner {
-                Some(owner) => of_owner(&client.keys().all().await?, &owner, sign_ins),
+                Some(owner) => of_owner(&client.keys().all().await?, &owner, sign_ins)?,
                 None => names,
             };
             for name in &names {
@@ -93,10 +93,26 @@ pub(crate) async fn run(args: Key, global: &Global) -> anyhow::Result<()> {
     }
 }
 
-/// Keys of an owner that are not revoked, or only the sign-ins among them.
-fn of_owner(keys: &[bendtwin_client::Key], owner: &str, sign_ins: bool) -> Vec<KeyId> {
-    let valid = keys.iter().filter(|key| key.owner == owner && key.revoke_time.is_none());
-    valid.filter(|key| key.is_sign_in || !sign_ins).map(|key| key.name).collect()
+/// Keys of an owner that are not revoked, or only the sign-ins among them. An owner without any is
+/// refused: it may be mistyped, and somebody would keep their access.
+fn of_owner(
+    keys: &[bendtwin_client::Key],
+    owner: &str,
+    sign_ins: bool,
+) -> Result<Vec<KeyId>, Usage> {
+    let valid = keys.iter().filter(|key| key.revoke_time.is_none());
+    let valid: Vec<_> = valid.filter(|key| key.is_sign_in || !sign_ins).collect();
+    let found: Vec<_> = valid.iter().filter(|key| key.owner == owner).map(|key| key.name).collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let is_other_case = |other: &&str| other.to_lowercase() == owner.to_lowercase();
+    let what = if sign_ins { "sign-in" } else { "key" };
+    let advice = match valid.iter().map(|key| key.owner.as_str()).find(is_other_case) {
+        Some(other) => format!("there is one of `{other}`, whose case differs"),
+        None => "`bendtwin key list` shows owners".to_owned(),
+    };
+    Err(Usage(format!("no {what} of `{owner}` is valid: {advice}")))
 }
 
 async fn create(args: Create, global: &Global) -> anyhow::Result<()> {
@@ -219,6 +235,32 @@ mod tests {
         for wrong in ["", "soon", "0s", "-1h", "10ms"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn an_owner_without_keys_is_refused() {
+        let key = |owner: &str, is_sign_in| bendtwin_client::Key {
+            name: KeyId::generate(),
+            display_name: String::new(),
+            owner: owner.to_owned(),
+            scopes: Vec::new(),
+            create_time: Timestamp::now(),
+            expire_time: None,
+            revoke_time: None,
+            last_use_time: None,
+            quotas: KeyQuotas::default(),
+            is_sign_in,
+        };
+        let keys = [key("ada@example.org", true), key("bob", false)];
+        let found = of_owner(&keys, "ada@example.org", true).unwrap();
+        assert_eq!(found, [keys[0].name]);
+        assert_eq!(of_owner(&keys, "bob", false).unwrap(), [keys[1].name]);
+        let refused = |owner: &str| of_owner(&keys, owner, true).unwrap_err().to_string();
+        assert!(refused("Ada@example.org").contains("`ada@example.org`, whose case differs"));
+        assert!(refused("bob").contains("no sign-in of `bob`"));
+        let revoked =
+            bendtwin_client::Key { revoke_time: Some(Timestamp::now()), ..key("c", true) };
+        assert!(of_owner(&[revoked], "c", true).is_err());
     }
 
     #[test]

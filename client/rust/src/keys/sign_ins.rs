@@ -45,6 +45,9 @@ pub struct DeviceCode {
     pub expires_in: Duration,
 }
 
+/// Delay before another attempt if none is stated, and its increase if attempts are too frequent.
+const MORE: Duration = Duration::from_secs(5);
+
 /// Calls about sign-ins.
 #[derive(Clone, Debug)]
 pub struct SignIns {
@@ -82,21 +85,22 @@ impl SignIns {
         })
     }
 
-    /// The key of a sign-in; as long as the person has not confirmed it, the delay until the next
-    /// attempt.
+    /// The key of a sign-in; as long as the person has not confirmed it, or something fails that may
+    /// pass, the delay until the next attempt. `delay` is that before this one: first the interval of
+    /// the code.
     ///
     /// # Errors
     /// If the person refused, or may not use the server; or if the code has expired.
-    pub async fn create(&self, code: &DeviceCode) -> Result<Result<MadeKey, Duration>, Error> {
+    pub async fn create(
+        &self,
+        code: &DeviceCode,
+        delay: Duration,
+    ) -> Result<Result<MadeKey, Duration>, Error> {
         let device_code = code.device_code.clone();
         let request = CreateSignInRequest { device_code, ..CreateSignInRequest::default() };
         let reply = match self.service.clone().create_sign_in(request).await.map_err(Error::from) {
             Ok(reply) => reply.into_inner(),
-            Err(error) if error.reason() == "SIGN_IN_PENDING" => {
-                let delay = error.retry_after().unwrap_or_default();
-                return Ok(Err(delay.max(code.interval)));
-            }
-            Err(error) => return Err(error),
+            Err(error) => return next_delay(&error, delay).map(Err).ok_or(error),
         };
         let key: Key = reply.key.ok_or_else(|| Error::malformed("no key"))?.try_into()?;
         Ok(Ok(MadeKey { key, secret_key: reply.secret_key }))
@@ -117,5 +121,48 @@ impl SignIns {
     /// If the server refuses what the client shows, or cannot be asked.
     pub async fn caller(&self) -> Result<Caller, Error> {
         self.service.clone().get_caller(GetCallerRequest {}).await?.into_inner().try_into()
+    }
+}
+
+/// Delay before the next attempt, if there is to be one after this error; `last` is the previous one.
+fn next_delay(error: &Error, last: Duration) -> Option<Duration> {
+    match error.reason() {
+        "SIGN_IN_PENDING" => Some(last),
+        // For all further attempts (RFC 8628, 3.5).
+        "SIGN_IN_SLOW_DOWN" => Some(last + MORE),
+        _ if error.retry_after().is_some() || error.is_transient() => {
+            Some(last.max(error.retry_after().unwrap_or(MORE)))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bendtwin_core::Category;
+    use tonic_types::StatusExt as _;
+
+    use super::*;
+
+    #[test]
+    fn what_may_pass_is_tried_again() {
+        let next = |category, reason, last| {
+            next_delay(&Error::new(category, reason, "text"), Duration::from_secs(last))
+                .map(|delay| delay.as_secs())
+        };
+        let refused = Category::FailedPrecondition;
+        assert_eq!(next(refused, "SIGN_IN_PENDING", 1), Some(1));
+        assert_eq!(next(refused, "SIGN_IN_SLOW_DOWN", 10), Some(15));
+        assert_eq!(next(refused, "SIGN_IN_SLOW_DOWN", 15), Some(20));
+        assert_eq!(next(Category::Unavailable, "SIGN_IN_PROVIDER_AWAY", 2), Some(5));
+        assert_eq!(next(Category::PermissionDenied, "SIGN_IN_REFUSED", 5), None);
+        let busy = tonic::Status::with_error_details(
+            tonic::Code::ResourceExhausted,
+            "busy",
+            tonic_types::ErrorDetails::with_retry_info(Some(Duration::from_secs(7))),
+        );
+        assert_eq!(next_delay(&Error::from(busy), Duration::ZERO).unwrap().as_secs(), 7);
+        let without = tonic::Status::resource_exhausted("busy");
+        assert_eq!(next_delay(&Error::from(without), Duration::ZERO), None);
     }
 }

@@ -10,8 +10,10 @@ use crate::{
     store::clock::{from_micros, micros},
 };
 
-/// Most sign-ins of a person; a further one takes the place of the oldest.
+/// Most sign-ins of a person that are valid; a further one ends the oldest.
 pub(super) const MOST_SIGN_INS: i64 = 32;
+/// Most that are stored, with those that have ended, whose holders are asked to sign in again.
+pub(super) const MOST_STORED: i64 = 256;
 
 /// What a sign-in has changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,17 +47,27 @@ impl Keys<'_> {
         .bind(now)
         .fetch_all(&mut tx)
         .await?;
-        let removed: Vec<Row> = query(
-            "delete from keys where signed_in_as = $1 and id not in
-                 (select id from keys where signed_in_as = $1 order by created_at desc, id desc limit $2)
+        let replaced: Vec<Row> = query(
+            "update keys set revoked_at = $3 where signed_in_as = $1 and revoked_at is null and id not in
+                 (select id from keys where signed_in_as = $1 and revoked_at is null
+                  order by created_at desc, id desc limit $2)
              returning *",
         )
-        .bind(person)
+        .bind(person.clone())
         .bind(MOST_SIGN_INS)
+        .bind(now)
         .fetch_all(&mut tx)
         .await?;
+        query(
+            "delete from keys where signed_in_as = $1 and id not in
+                 (select id from keys where signed_in_as = $1 order by created_at desc, id desc limit $2)",
+        )
+        .bind(person)
+        .bind(MOST_STORED)
+        .execute(&mut tx)
+        .await?;
         tx.commit().await?;
-        ended.extend(removed);
+        ended.extend(replaced);
         // A row that cannot be read admits nobody either.
         let ended = ended.into_iter().filter_map(|row| Key::try_from(row).ok());
         let ended = ended

@@ -1,15 +1,17 @@
 //! Sign-in of people: what `sign_in` finds out about a person becomes a key that ends by itself.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use bendtwin_core::Problem as _;
 use bendtwin_store::{Key, NewKey};
 use jiff::{SignedDuration, Timestamp};
 
 use crate::{
-    access::{Scope, key},
+    access::{Refused, Scope, key},
     app::{App, Error, Result, labels},
     audit,
     context::Context,
+    options,
     sign_in::{self, Challenge, Device, Proof, SignIn},
 };
 
@@ -26,9 +28,9 @@ pub(crate) struct WhoAmI {
 }
 
 impl App {
-    /// Name of the identity provider, if people can sign in.
-    pub(crate) fn sign_in_name(&self) -> Option<&str> {
-        self.sign_in.as_ref().map(|sign_in| sign_in.options().display_name.as_str())
+    /// Options of the identity provider, if people can sign in.
+    pub(crate) fn sign_in_options(&self) -> Option<&options::SignIn> {
+        self.sign_in.as_ref().map(SignIn::options)
     }
 
     /// The address of the provider for a browser.
@@ -38,12 +40,12 @@ impl App {
             let fault = "are to be 43 characters of base64url each";
             return Err(Error::invalid("state, nonce and code_challenge", fault));
         }
-        Ok(sign_in.address(challenge).await?)
+        Ok(sign_in.address(challenge).await.inspect_err(|error| self.warn(error))?)
     }
 
     /// Begins the sign-in of a device.
     pub(crate) async fn start_device_sign_in(&self) -> Result<Device> {
-        Ok(self.provider()?.begin_device().await?)
+        Ok(self.provider()?.begin_device().await.inspect_err(|error| self.warn(error))?)
     }
 
     /// Signs a person in. The text of their key is returned here and nowhere else.
@@ -56,7 +58,7 @@ impl App {
         }
         self.require_room(0)?;
         let done: Result<(Key, String)> = async {
-            let person = sign_in.person(&proof).await?;
+            let person = sign_in.person(&proof).await.inspect_err(|error| self.warn(error))?;
             let made = key::make().map_err(|e| Error::Internal(format!("random numbers: {e}")))?;
             let new = NewKey {
                 id: made.id,
@@ -78,8 +80,9 @@ impl App {
             Ok((done.key, made.text))
         }
         .await;
-        if is_audited(&done) {
-            audit::made("CreateSignIn", &done, |(key, _)| format!("{} of {}", key.id, key.owner));
+        if let Some(times) = self.audited(&done) {
+            let name = |(key, _): &(Key, String)| format!("{} of {}", key.id, key.owner);
+            audit::signed_in("CreateSignIn", &done, times, name);
         }
         done
     }
@@ -127,15 +130,43 @@ impl App {
     fn provider(&self) -> Result<&SignIn> {
         self.sign_in.as_ref().ok_or_else(|| sign_in::Error::Off.into())
     }
-}
 
-/// False for what anyone can cause without end: a device asks again and again until its person has
-/// confirmed it, and calls beyond the rate are not even looked at.
-fn is_audited<T>(done: &Result<T>) -> bool {
-    let is_repeated = |error: &sign_in::Error| {
-        matches!(error, sign_in::Error::Pending { .. } | sign_in::Error::Busy)
-    };
-    !matches!(done, Err(Error::SignIn(error)) if is_repeated(error))
+    /// The number of equal sign-ins since the last line of the audit, if there is to be another one.
+    /// Anyone can cause refusals without end, so they are condensed. Those beyond the rate, which are
+    /// not even looked at, and devices that wait for their person are left out.
+    fn audited<T>(&self, done: &Result<T>) -> Option<u64> {
+        use sign_in::Error as E;
+        match done {
+            Ok(_) => Some(1),
+            Err(Error::SignIn(E::Pending { .. } | E::SlowDown { .. } | E::Busy)) => None,
+            Err(error) => self.refused_sign_ins.note(
+                Refused::Stranger(Context::current().network),
+                error.reason(),
+                Instant::now(),
+            ),
+        }
+    }
+
+    /// Says in the log why a sign-in failed: once for a reason and a network, and after that not more
+    /// than every ten minutes. What people do wrong is in the audit, with the reason alone.
+    fn warn(&self, error: &sign_in::Error) {
+        use sign_in::Error as E;
+        if matches!(error, E::Pending { .. } | E::SlowDown { .. } | E::Off) {
+            return;
+        }
+        let network = Context::current().network;
+        let reason = error.reason();
+        // The fault of a provider is the same for all networks.
+        let of = match error {
+            E::Away(_) | E::Unusable { .. } | E::Client(_) | E::NoDevices => None,
+            _ => network,
+        };
+        let noted = self.failed_sign_ins.note(Refused::Stranger(of), reason, Instant::now());
+        if let Some(times) = noted {
+            let client = network.map(|network| network.to_string()).unwrap_or_default();
+            tracing::warn!(reason, %error, client, times, "a sign-in failed");
+        }
+    }
 }
 
 fn later(now: Timestamp, by: Duration) -> Timestamp {

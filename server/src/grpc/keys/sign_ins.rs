@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 use tonic::{Request, Response, Status};
 
 use crate::{
-    app::WhoAmI,
+    app::{Error, WhoAmI},
     grpc::{Api, convert},
     sign_in::{Challenge, Proof},
 };
@@ -20,9 +20,14 @@ impl SignInService for Api {
         &self,
         _: Request<GetSignInOptionsRequest>,
     ) -> Result<Response<SignInOptions>, Status> {
-        let name = self.app.sign_in_name();
-        let display_name = name.unwrap_or_default().to_owned();
-        Ok(Response::new(SignInOptions { enabled: name.is_some(), display_name }))
+        let Some(sign_in) = self.app.sign_in_options() else {
+            return Ok(Response::new(SignInOptions::default()));
+        };
+        Ok(Response::new(SignInOptions {
+            enabled: true,
+            display_name: sign_in.display_name.clone(),
+            public_url: sign_in.origin(),
+        }))
     }
 
     async fn start_sign_in(
@@ -44,7 +49,7 @@ impl SignInService for Api {
             device_code: device.device_code,
             user_code: device.user_code,
             verification_uri: device.verification_uri,
-            verification_uri_complete: device.verification_uri_complete,
+            verification_uri_complete: device.verification_uri_complete.unwrap_or_default(),
             interval_s: device.interval.unwrap_or_default(),
             expires_in_s: device.expires_in,
         }))
@@ -55,9 +60,15 @@ impl SignInService for Api {
         request: Request<CreateSignInRequest>,
     ) -> Result<Response<CreateSignInResponse>, Status> {
         let CreateSignInRequest { code, code_verifier, nonce, device_code } = request.into_inner();
-        let proof = match device_code.is_empty() {
-            true => Proof::Browser { code, code_verifier, nonce },
-            false => Proof::Device { code: device_code },
+        let is_of_browser = [&code, &code_verifier, &nonce].iter().any(|text| !text.is_empty());
+        let proof = match (device_code.is_empty(), is_of_browser) {
+            (true, _) => Proof::Browser { code, code_verifier, nonce },
+            (false, false) => Proof::Device { code: device_code },
+            (false, true) => {
+                let fault = "is that of a device, which has no code, code_verifier and nonce: send one \
+                             or the other";
+                return Err(Error::invalid("device_code", fault).into());
+            }
         };
         let (key, secret_key) = self.app.create_sign_in(proof).await?;
         Ok(Response::new(CreateSignInResponse { key: Some(convert::key(key)), secret_key }))

@@ -119,6 +119,12 @@ async fn changes_are_recorded_and_keys_are_not() {
     let proof = json!({"code": code, "code_verifier": VERIFIER, "nonce": NONCE});
     assert_eq!(server.post("/v1/sign-in", proof.clone()).await.0, 403);
     assert_eq!(server.post("/v1/sign-in", json!({"code": code})).await.0, 400);
+    // Repetitions are counted, and the log has the cause.
+    assert_eq!(server.post("/v1/sign-in", proof.clone()).await.0, 403);
+    for _ in 0..3 {
+        provider.with(|answers| answers.token = (401, json!({"error": "invalid_client"})));
+        assert_eq!(server.post("/v1/sign-in", proof.clone()).await.0, 409);
+    }
     let id_token = provider.key.sign(&provider.claims(NONCE));
     provider.issue(&id_token);
     let (status, made) = server.post("/v1/sign-in", proof).await;
@@ -141,6 +147,21 @@ async fn changes_are_recorded_and_keys_are_not() {
     for hidden in [secret, &secret[..32], &secret[32..], &token] {
         assert!(!text.contains(hidden), "a log has a key");
     }
+    let failed: Vec<Value> = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap())
+        .filter(|line| line["fields"]["message"] == "a sign-in failed")
+        .collect();
+    assert_eq!(failed.len(), 2, "{failed:?}");
+    for (line, cause) in failed.iter().zip(["invalid_grant", "sign_in.client_secret_file"]) {
+        assert_eq!(
+            (&line["level"], &line["fields"]["client"]),
+            (&json!("WARN"), &json!("127.0.0.1"))
+        );
+        assert!(line["fields"]["error"].as_str().unwrap().contains(cause), "{line}");
+    }
+    let signed_in = log.changes().into_iter().filter(|line| line["method"] == "CreateSignIn");
+    assert!(signed_in.into_iter().all(|line| line["client"] == "127.0.0.1"));
     let strangers = log.changes().into_iter().filter(|line| line["client"].is_string());
     assert!(strangers.into_iter().all(|line| line["client"] == "127.0.0.1"));
     let changes: Vec<_> = log
@@ -166,6 +187,7 @@ async fn changes_are_recorded_and_keys_are_not() {
         ["", "local", "DeleteKey", &name, "OK"],
         [&name, "ada", "", "", "KEY_REVOKED"],
         ["", "", "CreateSignIn", "", "SIGN_IN_REFUSED"],
+        ["", "", "CreateSignIn", "", "SIGN_IN_CLIENT_REFUSED"],
         ["", "", "CreateSignIn", &format!("{sign_in} of ada@example.org"), "OK"],
         [sign_in, "ada@example.org", "DeleteSignIn", sign_in, "OK"],
     ];

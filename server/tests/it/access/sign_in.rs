@@ -1,6 +1,7 @@
 //! Sign-in of people: with a stand-in for the identity provider, which is also hostile, slow, or away.
 //! A real one is in `console/stories/sign_in.story.ts`.
 
+mod limits;
 pub(super) mod provider;
 
 use std::{
@@ -29,6 +30,7 @@ pub(super) async fn server(provider: &Provider, change: impl FnOnce(&mut SignIn)
     change(&mut sign_in);
     Server::start_with(|options| {
         options.client_token = ClientTokenPolicy::Required;
+        options.allowed_hosts = vec!["twin.example".to_owned()];
         options.sign_in = Some(sign_in);
     })
     .await
@@ -66,7 +68,10 @@ async fn a_person_signs_in_works_and_signs_out() {
     let provider = Provider::start().await;
     let server = server(&provider, |o| o.display_name = "the lab".to_owned()).await;
     let (_, offered) = server.get("/v1/sign-in").await;
-    assert_eq!(offered, json!({"enabled": true, "display_name": "the lab"}));
+    let expected = json!({
+        "enabled": true, "display_name": "the lab", "public_url": "https://twin.example",
+    });
+    assert_eq!(offered, expected);
     let (status, started) = server.post("/v1/sign-in/start", start()).await;
     assert_eq!(status, 200, "{started}");
     let address: reqwest::Url = started["authorization_url"].as_str().unwrap().parse().unwrap();
@@ -294,6 +299,35 @@ async fn unknown_keys_make_the_server_read_keys_once_a_minute() {
 }
 
 #[tokio::test]
+async fn a_failed_reading_of_keys_does_not_defer_the_next_for_a_minute() {
+    let provider = Provider::start().await;
+    let server = server(&provider, |_| ()).await;
+    signed_in(&server, &provider).await;
+    let second = Key::new("second");
+    provider.with(|answers| {
+        answers.published = vec![second.clone()];
+        answers.key_status = 503;
+    });
+    let token = second.sign(&provider.claims(NONCE));
+    let (_, refused) = sign_in(&server, &provider, &token).await;
+    assert_eq!(refused["reason"], "SIGN_IN_PROVIDER_AWAY", "{refused}");
+    provider.with(|answers| answers.key_status = 200);
+    tokio::time::sleep(Duration::from_millis(5100)).await;
+    let (status, made) = sign_in(&server, &provider, &token).await;
+    assert_eq!(status, 201, "{made}");
+}
+
+#[tokio::test]
+async fn a_wrong_issuer_is_named() {
+    let provider = Provider::start().await;
+    let server = server(&provider, |o| o.issuer.push_str("/other")).await;
+    let (status, refused) = server.post("/v1/sign-in/start", start()).await;
+    assert_eq!((status, &refused["reason"]), (409, &json!("SIGN_IN_PROVIDER_UNUSABLE")));
+    let detail = refused["detail"].as_str().unwrap();
+    assert!(detail.contains("compare sign_in.issuer"), "{detail}");
+}
+
+#[tokio::test]
 async fn documents_of_the_provider_are_not_trusted() {
     type Change = fn(&mut Value);
     let cases: [(&str, Change); 7] = [
@@ -356,6 +390,12 @@ async fn what_the_provider_says_is_passed_on_as_plain_text() {
     let detail = refused["detail"].as_str().unwrap();
     assert!(detail.contains("invalid_grant (<b>no</b>[31mxxx"), "{detail}");
     assert!(detail.len() < 300 && !detail.contains(char::is_control), "{detail}");
+    for error in ["invalid_client", "unauthorized_client"] {
+        provider.with(|answers| answers.token = (401, json!({"error": error})));
+        let (status, refused) = server.post("/v1/sign-in", proof(NONCE)).await;
+        assert_eq!((status, &refused["reason"]), (409, &json!("SIGN_IN_CLIENT_REFUSED")));
+        assert!(refused["detail"].as_str().unwrap().contains("tell the operator"), "{refused}");
+    }
     provider.with(|answers| answers.token = (502, json!("gone")));
     let (status, refused) = server.post("/v1/sign-in", proof(NONCE)).await;
     assert_eq!((status, &refused["reason"]), (503, &json!("SIGN_IN_PROVIDER_AWAY")), "{refused}");
@@ -375,10 +415,13 @@ async fn a_device_waits_until_it_is_confirmed() {
         let delay = response.headers().get("retry-after").map(|v| v.to_str().unwrap().to_owned());
         (read(response).await, delay)
     };
-    for (error, delay) in [("authorization_pending", "5"), ("slow_down", "10")] {
+    for (error, delay, reason) in [
+        ("authorization_pending", "5", "SIGN_IN_PENDING"),
+        ("slow_down", "10", "SIGN_IN_SLOW_DOWN"),
+    ] {
         provider.with(|answers| answers.token = (400, json!({"error": error})));
         let ((status, pending), retry_after) = poll().await;
-        assert_eq!((status, &pending["reason"]), (409, &json!("SIGN_IN_PENDING")), "{pending}");
+        assert_eq!((status, &pending["reason"]), (409, &json!(reason)), "{pending}");
         assert_eq!(retry_after.as_deref(), Some(delay));
     }
     // There is no browser, and no nonce.
@@ -480,6 +523,11 @@ async fn sign_ins_have_a_bounded_rate_and_form() {
     let mut order = proof(NONCE);
     order["code"] = json!("x".repeat(5000));
     assert_eq!(server.post("/v1/sign-in", order).await.0, 400);
+    let mut order = proof(NONCE);
+    order["device_code"] = json!("device-code");
+    let (status, both) = server.post("/v1/sign-in", order).await;
+    assert_eq!(status, 400, "{both}");
+    assert!(both["detail"].as_str().unwrap().contains("device_code"), "{both}");
     let mut refused = Value::Null;
     for _ in 0..2000 {
         let (status, answer) = server.post("/v1/sign-in/start", start()).await;

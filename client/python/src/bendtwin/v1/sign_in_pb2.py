@@ -27,7 +27,7 @@ from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/sign_in.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x15\x62\x65ndtwin/v1/key.proto\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x19\n\x17GetSignInOptionsRequest\">\n\rSignInOptions\x12\x17\n\x07\x65nabled\x18\x01 \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\"b\n\x12StartSignInRequest\x12\x15\n\x05state\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\x15\n\x05nonce\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\x1e\n\x0e\x63ode_challenge\x18\x03 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\"0\n\x13StartSignInResponse\x12\x19\n\x11\x61uthorization_url\x18\x01 \x01(\t\"\x1a\n\x18StartDeviceSignInRequest\"\xaa\x01\n\x19StartDeviceSignInResponse\x12\x13\n\x0b\x64\x65vice_code\x18\x01 \x01(\t\x12\x11\n\tuser_code\x18\x02 \x01(\t\x12\x18\n\x10verification_uri\x18\x03 \x01(\t\x12!\n\x19verification_uri_complete\x18\x04 \x01(\t\x12\x12\n\ninterval_s\x18\x05 \x01(\x01\x12\x14\n\x0c\x65xpires_in_s\x18\x06 \x01(\x01\"^\n\x13\x43reateSignInRequest\x12\x0c\n\x04\x63ode\x18\x01 \x01(\t\x12\x15\n\rcode_verifier\x18\x02 \x01(\t\x12\r\n\x05nonce\x18\x03 \x01(\t\x12\x13\n\x0b\x64\x65vice_code\x18\x04 \x01(\t\"Q\n\x14\x43reateSignInResponse\x12%\n\x03key\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.KeyB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsecret_key\x18\x02 \x01(\t\"\x15\n\x13\x44\x65leteSignInRequest\"\x16\n\x14\x44\x65leteSignInResponse\"\x12\n\x10GetCallerRequest\"\x91\x01\n\x06\x43\x61ller\x12\x15\n\x05owner\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x03\x12\x0e\n\x06scopes\x18\x02 \x03(\t\x12\x0b\n\x03key\x18\x03 \x01(\t\x12\x1a\n\nis_sign_in\x18\x04 \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0b\x65xpire_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x32\xb6\x05\n\rSignInService\x12k\n\x10GetSignInOptions\x12$.bendtwin.v1.GetSignInOptionsRequest\x1a\x1a.bendtwin.v1.SignInOptions\"\x15\x88\xb5\x18\x01\x9a\xb5\x18\r\n\x0b/v1/sign-in\x12m\n\x0bStartSignIn\x12\x1f.bendtwin.v1.StartSignInRequest\x1a .bendtwin.v1.StartSignInResponse\"\x1b\x88\xb5\x18\x01\x9a\xb5\x18\x13\x12\x11/v1/sign-in/start\x12\x82\x01\n\x11StartDeviceSignIn\x12%.bendtwin.v1.StartDeviceSignInRequest\x1a&.bendtwin.v1.StartDeviceSignInResponse\"\x1e\x88\xb5\x18\x01\x9a\xb5\x18\x16\x12\x12/v1/sign-in/device@\x01\x12}\n\x0c\x43reateSignIn\x12 .bendtwin.v1.CreateSignInRequest\x1a!.bendtwin.v1.CreateSignInResponse\"(\x88\xb5\x18\x01\x90\xb5\x18\x01\x9a\xb5\x18\x1c\x12\x0b/v1/sign-in0\xc9\x01:\x08key.name@\x01\x12n\n\x0c\x44\x65leteSignIn\x12 .bendtwin.v1.DeleteSignInRequest\x1a!.bendtwin.v1.DeleteSignInResponse\"\x19\x88\xb5\x18\x02\x90\xb5\x18\x01\x9a\xb5\x18\r\"\x0b/v1/sign-in\x12U\n\tGetCaller\x12\x1d.bendtwin.v1.GetCallerRequest\x1a\x13.bendtwin.v1.Caller\"\x14\x88\xb5\x18\x02\x9a\xb5\x18\x0c\n\n/v1/callerb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/sign_in.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x15\x62\x65ndtwin/v1/key.proto\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x19\n\x17GetSignInOptionsRequest\"R\n\rSignInOptions\x12\x17\n\x07\x65nabled\x18\x01 \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\x12\n\npublic_url\x18\x03 \x01(\t\"b\n\x12StartSignInRequest\x12\x15\n\x05state\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\x15\n\x05nonce\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\x1e\n\x0e\x63ode_challenge\x18\x03 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\"0\n\x13StartSignInResponse\x12\x19\n\x11\x61uthorization_url\x18\x01 \x01(\t\"\x1a\n\x18StartDeviceSignInRequest\"\xaa\x01\n\x19StartDeviceSignInResponse\x12\x13\n\x0b\x64\x65vice_code\x18\x01 \x01(\t\x12\x11\n\tuser_code\x18\x02 \x01(\t\x12\x18\n\x10verification_uri\x18\x03 \x01(\t\x12!\n\x19verification_uri_complete\x18\x04 \x01(\t\x12\x12\n\ninterval_s\x18\x05 \x01(\x01\x12\x14\n\x0c\x65xpires_in_s\x18\x06 \x01(\x01\"^\n\x13\x43reateSignInRequest\x12\x0c\n\x04\x63ode\x18\x01 \x01(\t\x12\x15\n\rcode_verifier\x18\x02 \x01(\t\x12\r\n\x05nonce\x18\x03 \x01(\t\x12\x13\n\x0b\x64\x65vice_code\x18\x04 \x01(\t\"Q\n\x14\x43reateSignInResponse\x12%\n\x03key\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.KeyB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsecret_key\x18\x02 \x01(\t\"\x15\n\x13\x44\x65leteSignInRequest\"\x16\n\x14\x44\x65leteSignInResponse\"\x12\n\x10GetCallerRequest\"\x91\x01\n\x06\x43\x61ller\x12\x15\n\x05owner\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x03\x12\x0e\n\x06scopes\x18\x02 \x03(\t\x12\x0b\n\x03key\x18\x03 \x01(\t\x12\x1a\n\nis_sign_in\x18\x04 \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0b\x65xpire_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x32\xb6\x05\n\rSignInService\x12k\n\x10GetSignInOptions\x12$.bendtwin.v1.GetSignInOptionsRequest\x1a\x1a.bendtwin.v1.SignInOptions\"\x15\x88\xb5\x18\x01\x9a\xb5\x18\r\n\x0b/v1/sign-in\x12m\n\x0bStartSignIn\x12\x1f.bendtwin.v1.StartSignInRequest\x1a .bendtwin.v1.StartSignInResponse\"\x1b\x88\xb5\x18\x01\x9a\xb5\x18\x13\x12\x11/v1/sign-in/start\x12\x82\x01\n\x11StartDeviceSignIn\x12%.bendtwin.v1.StartDeviceSignInRequest\x1a&.bendtwin.v1.StartDeviceSignInResponse\"\x1e\x88\xb5\x18\x01\x9a\xb5\x18\x16\x12\x12/v1/sign-in/device@\x01\x12}\n\x0c\x43reateSignIn\x12 .bendtwin.v1.CreateSignInRequest\x1a!.bendtwin.v1.CreateSignInResponse\"(\x88\xb5\x18\x01\x90\xb5\x18\x01\x9a\xb5\x18\x1c\x12\x0b/v1/sign-in0\xc9\x01:\x08key.name@\x01\x12n\n\x0c\x44\x65leteSignIn\x12 .bendtwin.v1.DeleteSignInRequest\x1a!.bendtwin.v1.DeleteSignInResponse\"\x19\x88\xb5\x18\x02\x90\xb5\x18\x01\x9a\xb5\x18\r\"\x0b/v1/sign-in\x12U\n\tGetCaller\x12\x1d.bendtwin.v1.GetCallerRequest\x1a\x13.bendtwin.v1.Caller\"\x14\x88\xb5\x18\x02\x9a\xb5\x18\x0c\n\n/v1/callerb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -65,27 +65,27 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_GETSIGNINOPTIONSREQUEST']._serialized_start=125
   _globals['_GETSIGNINOPTIONSREQUEST']._serialized_end=150
   _globals['_SIGNINOPTIONS']._serialized_start=152
-  _globals['_SIGNINOPTIONS']._serialized_end=214
-  _globals['_STARTSIGNINREQUEST']._serialized_start=216
-  _globals['_STARTSIGNINREQUEST']._serialized_end=314
-  _globals['_STARTSIGNINRESPONSE']._serialized_start=316
-  _globals['_STARTSIGNINRESPONSE']._serialized_end=364
-  _globals['_STARTDEVICESIGNINREQUEST']._serialized_start=366
-  _globals['_STARTDEVICESIGNINREQUEST']._serialized_end=392
-  _globals['_STARTDEVICESIGNINRESPONSE']._serialized_start=395
-  _globals['_STARTDEVICESIGNINRESPONSE']._serialized_end=565
-  _globals['_CREATESIGNINREQUEST']._serialized_start=567
-  _globals['_CREATESIGNINREQUEST']._serialized_end=661
-  _globals['_CREATESIGNINRESPONSE']._serialized_start=663
-  _globals['_CREATESIGNINRESPONSE']._serialized_end=744
-  _globals['_DELETESIGNINREQUEST']._serialized_start=746
-  _globals['_DELETESIGNINREQUEST']._serialized_end=767
-  _globals['_DELETESIGNINRESPONSE']._serialized_start=769
-  _globals['_DELETESIGNINRESPONSE']._serialized_end=791
-  _globals['_GETCALLERREQUEST']._serialized_start=793
-  _globals['_GETCALLERREQUEST']._serialized_end=811
-  _globals['_CALLER']._serialized_start=814
-  _globals['_CALLER']._serialized_end=959
-  _globals['_SIGNINSERVICE']._serialized_start=962
-  _globals['_SIGNINSERVICE']._serialized_end=1656
+  _globals['_SIGNINOPTIONS']._serialized_end=234
+  _globals['_STARTSIGNINREQUEST']._serialized_start=236
+  _globals['_STARTSIGNINREQUEST']._serialized_end=334
+  _globals['_STARTSIGNINRESPONSE']._serialized_start=336
+  _globals['_STARTSIGNINRESPONSE']._serialized_end=384
+  _globals['_STARTDEVICESIGNINREQUEST']._serialized_start=386
+  _globals['_STARTDEVICESIGNINREQUEST']._serialized_end=412
+  _globals['_STARTDEVICESIGNINRESPONSE']._serialized_start=415
+  _globals['_STARTDEVICESIGNINRESPONSE']._serialized_end=585
+  _globals['_CREATESIGNINREQUEST']._serialized_start=587
+  _globals['_CREATESIGNINREQUEST']._serialized_end=681
+  _globals['_CREATESIGNINRESPONSE']._serialized_start=683
+  _globals['_CREATESIGNINRESPONSE']._serialized_end=764
+  _globals['_DELETESIGNINREQUEST']._serialized_start=766
+  _globals['_DELETESIGNINREQUEST']._serialized_end=787
+  _globals['_DELETESIGNINRESPONSE']._serialized_start=789
+  _globals['_DELETESIGNINRESPONSE']._serialized_end=811
+  _globals['_GETCALLERREQUEST']._serialized_start=813
+  _globals['_GETCALLERREQUEST']._serialized_end=831
+  _globals['_CALLER']._serialized_start=834
+  _globals['_CALLER']._serialized_end=979
+  _globals['_SIGNINSERVICE']._serialized_start=982
+  _globals['_SIGNINSERVICE']._serialized_end=1676
 # @@protoc_insertion_point(module_scope)

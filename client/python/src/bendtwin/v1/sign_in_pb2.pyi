@@ -16,12 +16,14 @@ class GetSignInOptionsRequest(_message.Message):
     def __init__(self) -> None: ...
 
 class SignInOptions(_message.Message):
-    __slots__ = ("enabled", "display_name")
+    __slots__ = ("enabled", "display_name", "public_url")
     ENABLED_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
+    PUBLIC_URL_FIELD_NUMBER: _ClassVar[int]
     enabled: bool
     display_name: str
-    def __init__(self, enabled: bool = ..., display_name: _Optional[str] = ...) -> None: ...
+    public_url: str
+    def __init__(self, enabled: bool = ..., display_name: _Optional[str] = ..., public_url: _Optional[str] = ...) -> None: ...
 
 class StartSignInRequest(_message.Message):
     __slots__ = ("state", "nonce", "code_challenge")

@@ -30,15 +30,19 @@ pub(in crate::access) struct Key {
 
 /// What the provider answers.
 #[derive(Clone)]
-pub(super) struct Answers {
+pub(in crate::access) struct Answers {
     pub(super) discovery: Value,
     /// Status and body of the token endpoint.
-    pub(super) token: (u16, Value),
+    pub(in crate::access) token: (u16, Value),
     pub(super) device: (u16, Value),
     /// What the provider states about a person who is asked for.
     pub(super) person: Value,
     pub(super) published: Vec<Key>,
     pub(super) hangs: bool,
+    /// True if the token endpoint does not answer.
+    pub(super) token_hangs: bool,
+    /// Status of the document with the keys.
+    pub(super) key_status: u16,
     /// Times that the keys were read.
     pub(super) key_readings: usize,
     /// Forms that the token endpoint got, and the credentials in their headers.
@@ -113,11 +117,14 @@ impl Provider {
                 json!({
                     "device_code": "device-code", "user_code": "ABCD-EFGH", "expires_in": 600,
                     "verification_uri": format!("{url}/activate"),
+                    "verification_uri_complete": null,
                 }),
             ),
             person: json!({}),
             published: vec![key.clone()],
             hangs: false,
+            token_hangs: false,
+            key_status: 200,
             key_readings: 0,
             forms: Vec::new(),
             credentials: Vec::new(),
@@ -136,7 +143,7 @@ impl Provider {
     }
 
     /// Changes what it answers, or reads what it got.
-    pub(super) fn with<T>(&self, change: impl FnOnce(&mut Answers) -> T) -> T {
+    pub(in crate::access) fn with<T>(&self, change: impl FnOnce(&mut Answers) -> T) -> T {
         change(&mut self.answers.lock().unwrap())
     }
 
@@ -175,10 +182,13 @@ async fn keys(State(provider): State<Provider>) -> Response {
     // Of a kind that is not known here.
     let other = json!({"kty": "AKP", "alg": "ML-DSA-44", "pub": "AAAA"});
     let keys = [vec![other], keys].concat();
-    answer((200, json!({"keys": keys})))
+    answer((provider.with(|answers| answers.key_status), json!({"keys": keys})))
 }
 
 async fn token(State(provider): State<Provider>, headers: HeaderMap, form: String) -> Response {
+    if provider.with(|answers| answers.token_hangs) {
+        pending::<()>().await;
+    }
     provider.with(|answers| {
         answers.forms.push(form);
         let credentials = headers.get("authorization").map(|value| value.to_str().unwrap());
