@@ -14,11 +14,11 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// A grid that reaches `margin_m` beyond all points, with cells of `cell_m`, or larger ones if these were
-    /// more than `most`. `None` without points.
+    /// A grid with cells of `cell_m`, or larger ones if the samples were more than `most`. It reaches beyond all
+    /// points by the margin for its cells. `None` without points.
     pub(crate) fn around(
         points: &[Point],
-        margin_m: f64,
+        margin_m: impl Fn(f64) -> f64,
         cell_m: f64,
         most: usize,
     ) -> Option<Self> {
@@ -27,14 +27,16 @@ impl Grid {
             let p = p.map(f64::from);
             [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
         });
-        let extent: [f64; 3] = std::array::from_fn(|a| high[a] - low[a] + 2.0 * margin_m);
-        let samples = |cell_m: f64| extent.map(|x| (x / cell_m).ceil() + 1.0);
+        let samples = |cell_m: f64| -> [f64; 3] {
+            let extent = |a: usize| high[a] - low[a] + 2.0 * margin_m(cell_m);
+            std::array::from_fn(|a| (extent(a) / cell_m).ceil() + 1.0)
+        };
         let mut cell_m = cell_m;
         while samples(cell_m).iter().product::<f64>() > most as f64 {
             cell_m *= 1.1;
         }
         let size = samples(cell_m).map(|n| n as usize);
-        Some(Self { low: low.map(|x| x - margin_m), cell_m, size })
+        Some(Self { low: low.map(|x| x - margin_m(cell_m)), cell_m, size })
     }
 
     /// Number of samples.

@@ -166,6 +166,9 @@ fn points_without_a_surface_have_none() {
     assert_true(&wrap(&crowd, &[]).unwrap(), |_| 0.0, f64::INFINITY);
     let far: Vec<Point> = (0..100).map(|i| [1e30 * i as f32, 0.0, 1e-30]).collect();
     wrap(&far, &[]);
+    let with_far: Vec<Point> =
+        cloud.iter().copied().chain([[1e4, 0.0, 0.0], [0.0, -1e30, 0.0]]).collect();
+    assert_true(&wrap(&with_far, &cloud).unwrap(), |_| 0.0, f64::INFINITY);
 }
 
 fn twin(graph: Graph) -> Twin {

@@ -25,6 +25,8 @@ const MOST_POINTS: usize = 30_000;
 /// Neighbour whose distance is a point's spacing, and the share of points whose spacing is less than that of all.
 const SPACING_NEIGHBOUR: usize = 5;
 const SPACING_SHARE: f64 = 0.8;
+/// Spacing, over that of most points, beyond which a point is a stray.
+const STRAY: f64 = 10.0;
 /// Radii of the balls, over the spacing, of which the least that encloses the inside is taken.
 const RADII: [f64; 4] = [1.0, 1.4, 2.0, 2.8];
 /// Place in [`RADII`] of the radius where nothing is known of the inside.
@@ -58,14 +60,23 @@ pub fn wrap(surface: &[Point], inside: &[Point]) -> Option<Wrapped> {
     if surface.len() < LEAST_POINTS {
         return None;
     }
-    let spacing_m = spacing(&surface)?;
+    let spacings = spacings(&surface);
+    let spacing_m = usual(&spacings)?;
+    // A grid that reaches to strays would be too coarse for the rest.
+    let is_near = |spacing: &f64| *spacing <= STRAY * spacing_m;
+    let near = surface.iter().zip(&spacings).filter(|(_, spacing)| is_near(spacing));
+    let surface: Vec<Point> = near.map(|(p, _)| *p).collect();
     let mut cell_m = CELL * spacing_m;
     loop {
-        let mesh = wrap_in_cells(&surface, &inside, spacing_m, cell_m)?;
+        let radii_m = |cell_m: f64| RADII.map(|radius| (radius * spacing_m).max(1.5 * cell_m));
+        let margin_m = |cell_m: f64| radii_m(cell_m)[RADII.len() - 1] + 3.0 * cell_m;
+        let grid = Grid::around(&surface, margin_m, cell_m, MOST_SAMPLES)?;
+        let radii_m = radii_m(grid.cell_m);
+        let mesh = wrap_in_grid(&grid, &surface, &inside, spacing_m, radii_m)?;
         if mesh.vertices.len() <= MOST_VERTICES {
             return Some(mesh);
         }
-        cell_m *= (mesh.vertices.len() as f64 / MOST_VERTICES as f64).sqrt() * 1.05;
+        cell_m = grid.cell_m * (mesh.vertices.len() as f64 / MOST_VERTICES as f64).sqrt() * 1.05;
     }
 }
 
@@ -76,57 +87,61 @@ fn usable(points: &[Point]) -> Vec<Point> {
     points.iter().filter(finite).step_by(every).copied().collect()
 }
 
-/// Distance from most points to their neighbours [m].
-fn spacing(points: &[Point]) -> Option<f64> {
+/// Distance of each point from its neighbours [m].
+fn spacings(points: &[Point]) -> Vec<f64> {
     let tree = PointTree::new(points.iter().copied());
     let neighbour = |p: &Point| {
         let near = tree.within(*p, f64::INFINITY, SPACING_NEIGHBOUR);
-        near.last().map(|last| last.square.sqrt())
+        near.last().map_or(f64::INFINITY, |last| last.square.sqrt())
     };
-    let mut spacings: Vec<f64> = points.iter().filter_map(neighbour).collect();
-    spacings.sort_by(f64::total_cmp);
-    let at = (SPACING_SHARE * spacings.len() as f64) as usize;
-    spacings.get(at).copied().filter(|spacing_m| *spacing_m > 0.0)
+    points.iter().map(neighbour).collect()
 }
 
-fn wrap_in_cells(
+/// The spacing that most points do not exceed [m]; `None` if they lie in one place.
+fn usual(spacings: &[f64]) -> Option<f64> {
+    let mut sorted = spacings.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = (SPACING_SHARE * sorted.len() as f64) as usize;
+    sorted.get(at).copied().filter(|spacing_m| *spacing_m > 0.0 && spacing_m.is_finite())
+}
+
+/// The mesh on a grid that reaches three cells beyond balls of the largest radius.
+fn wrap_in_grid(
+    grid: &Grid,
     surface: &[Point],
     inside: &[Point],
     spacing_m: f64,
-    cell_m: f64,
+    radii: [f64; 4],
 ) -> Option<Wrapped> {
-    let radii = RADII.map(|radius| (radius * spacing_m).max(1.5 * cell_m));
-    let margin_m = radii[RADII.len() - 1] + 3.0 * cell_m;
-    let grid = Grid::around(surface, margin_m, cell_m, MOST_SAMPLES)?;
-    let reach_m = margin_m - grid.cell_m;
-    let mut to_points = distances(&grid, surface, reach_m);
+    let reach_m = radii[RADII.len() - 1] + 2.0 * grid.cell_m;
+    let mut to_points = distances(grid, surface, reach_m);
     let (mut radius_m, mut outside) = (radii[USUAL], Vec::new());
     let mut is_enclosed = inside.is_empty();
     if is_enclosed {
-        outside = flood(&grid, &to_points, radius_m);
+        outside = flood(grid, &to_points, radius_m);
     }
     for radius in radii {
         if is_enclosed {
             break;
         }
-        (radius_m, outside) = (radius, flood(&grid, &to_points, radius));
+        (radius_m, outside) = (radius, flood(grid, &to_points, radius));
         let enclosed = inside.iter().filter_map(|p| grid.nearest(*p)).filter(|i| !outside[*i]);
         is_enclosed = enclosed.count() as f64 >= ENCLOSED * inside.len() as f64;
     }
     if !is_enclosed {
         // The surface has large gaps: what lies inside fills them.
         let all: Vec<Point> = surface.iter().chain(inside).copied().collect();
-        to_points = distances(&grid, &all, reach_m);
-        let apart_m = spacing(inside).unwrap_or_default();
+        to_points = distances(grid, &all, reach_m);
+        let apart_m = usual(&spacings(inside)).unwrap_or_default();
         radius_m = apart_m.clamp(radii[USUAL], radii[RADII.len() - 1]);
-        outside = flood(&grid, &to_points, radius_m);
+        outside = flood(grid, &to_points, radius_m);
     }
-    let depth = depths(&grid, &to_points, &outside, radius_m);
-    let thickening = thickening(&grid, &depth, radius_m);
+    let depth = depths(grid, &to_points, &outside, radius_m);
+    let thickening = thickening(grid, &depth, radius_m);
     let mut value: Vec<f32> =
         depth.iter().zip(&thickening).map(|(d, more)| d - radius_m as f32 + more).collect();
-    nets::separate(&grid, &mut value);
-    let mut mesh = nets::mesh(&grid, &value);
+    nets::separate(grid, &mut value);
+    let mut mesh = nets::mesh(grid, &value);
     mesh.drop_small_parts();
     mesh.smooth();
     let is_thin = |p: &Point| grid.nearest(*p).is_none_or(|i| thickening[i] > 0.0);
