@@ -1,4 +1,6 @@
-//! The surfaces of a fit's twins, in the colours of their skin.
+//! The surface of a fit's twin, in the colours of its skin.
+
+use std::borrow::Cow;
 
 use bendtwin_core::{Point, Twin};
 use bendtwin_surface::surface_of;
@@ -6,16 +8,14 @@ use bendtwin_surface::surface_of;
 use super::{Outcome, Run};
 
 impl Run<'_> {
-    /// Gives the twins of an outcome their surfaces.
-    pub(super) fn wrap(&self, outcome: &mut Outcome) {
-        let recorded = &self.job.capture.object.colors;
-        for twin in std::iter::once(&mut outcome.twin).chain(&mut outcome.axial) {
-            let colors = match &twin.appearance {
-                Some(look) => look.skin_colors.clone(),
-                None => recorded_colors(twin, recorded),
-            };
-            twin.surface = surface_of(twin, &colors);
-        }
+    /// Gives the twin of an outcome its surface. The axial one is only compared with it.
+    pub(super) fn wrap(&self, Outcome { twin, .. }: &mut Outcome) {
+        let colors = match &twin.appearance {
+            Some(look) => Cow::Borrowed(&look.skin_colors),
+            None => Cow::Owned(recorded_colors(twin, &self.job.capture.object.colors)),
+        };
+        let surface = surface_of(twin, &colors);
+        twin.surface = surface;
     }
 }
 
