@@ -78,7 +78,7 @@ export async function signOut(api: Api): Promise<void> {
   try {
     await api.fetch('/v1/sign-in', { method: 'DELETE', keepalive: true });
   } catch {
-    // It is forgotten here, and ends by itself.
+    // The key is forgotten here, and expires at the server.
   }
 }
 

@@ -219,7 +219,7 @@ fn split(points: &mut [(Point, u32)], first: usize, groups: &[u32], parts: &mut 
     let extent = |a: &usize| f64::from(high[*a]) - f64::from(low[*a]);
     let axis = (0..3).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     let half = points.len() / 2;
-    // By number where coordinates are equal: then equal points of a part have smaller numbers in its first half.
+    // Equal coordinates are ordered by number, so equal points with smaller numbers are in the first half.
     points.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
     let (left, right) = points.split_at_mut(half);
     split(left, first, groups, parts);

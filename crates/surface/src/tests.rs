@@ -234,7 +234,7 @@ fn a_body_carries_its_surface_and_colours() {
         let expected = [before[1], -before[0], before[2] + 1.0];
         assert!(distance(wide(after), wide(expected)) < 1e-4);
     }
-    // Its file keeps it, and programs that do not know it read the same twin.
+    // The file keeps the surface.
     let dressed = Twin { surface: Some(surface), ..twin };
     let file = dressed.encode().unwrap();
     assert_eq!(Twin::decode(&file).unwrap(), dressed);

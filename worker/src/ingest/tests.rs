@@ -286,7 +286,7 @@ async fn a_brief_ingest_that_takes_long_is_handed_back() {
     // Nothing is delivered, and the child ends.
     let long = end_of_brief("exec sleep 600", soon).await;
     assert_eq!((ended(&long), long.end), (Some(End::Outgrown), IngestWrite::default()));
-    // It may have less memory than the first seat.
+    // The second seat has less memory than the first.
     let large = r#"cd "$2"; echo memory allocation of 9 bytes failed >&2; kill -ABRT $$"#;
     let large = end_of_brief(large, Duration::from_secs(60)).await;
     assert_eq!((ended(&large), large.end), (Some(End::Outgrown), IngestWrite::default()));

@@ -35,7 +35,7 @@ fn a_million_points_in_one_place_are_sampled_quickly() {
     assert!(start.elapsed().as_secs() < LONGEST_S, "{:?}", start.elapsed());
 }
 
-/// 80 thousand nodes whose nearest ones are of their own heap, and nodes too near to each other for springs.
+/// 80,000 nodes with all their neighbours in the same heap, and nodes too near to each other for springs.
 #[test]
 fn heaps_far_apart_are_joined_quickly() {
     let start = Instant::now();

@@ -112,7 +112,7 @@ impl Trash<'_> {
             Ok(()) => Ok(true),
             Err(Error::NotFound { .. }) => Ok(false),
             Err(error @ (Error::CaptureInUse { .. } | Error::FitRunning { .. })) => {
-                tracing::warn!(%resource, %error, "it stays in the trash for now");
+                tracing::warn!(%resource, %error, "it stays in the trash until it is not in use");
                 Ok(false)
             }
             Err(error) => Err(error),

@@ -207,7 +207,7 @@ async fn a_fleet_is_backed_up_destroyed_and_restored_elsewhere() {
     assert_eq!(rolled_out(&server.api(), &fitted.twin).await, reply);
     check_captures(&server, captures as usize).await;
     server.kill();
-    // Its place among the clusters that run at a time.
+    // Frees a place among the clusters that may run together.
     drop(server);
     let required = vec![("BENDTWIN_CLIENT_TOKEN", "required".to_owned())];
     let server = TestCluster::start(Setup { own_workers: 0, environment: required, ..setup }).await;

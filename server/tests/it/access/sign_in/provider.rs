@@ -179,7 +179,7 @@ async fn keys(State(provider): State<Provider>) -> Response {
         answers.key_readings += 1;
         answers.published.iter().map(Key::public).collect()
     });
-    // Of a kind that is not known here.
+    // A kind of key that the server does not know.
     let other = json!({"kty": "AKP", "alg": "ML-DSA-44", "pub": "AAAA"});
     let keys = [vec![other], keys].concat();
     answer((provider.with(|answers| answers.key_status), json!({"keys": keys})))
