@@ -12,8 +12,8 @@ pub use self::{
     rigid::{Alignment, Kabsch, Pair, Prior, RigidMotion, kabsch},
     robust::{RobustFit, RobustRule, biweight},
     vector::{
-        Scalar, Vector, add, cross, distance, dot, length, point, point_distance, scaled, sub,
-        turn, turn_back, unit, vector3, wide,
+        Scalar, Vector, add, bounds, cross, distance, dot, length, point, point_distance, scaled,
+        sub, turn, turn_back, unit, vector3, wide,
     },
 };
 

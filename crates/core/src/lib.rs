@@ -21,6 +21,7 @@ pub mod ids;
 pub mod observer;
 pub mod params;
 pub mod progress;
+pub mod sets;
 pub mod settings;
 pub mod twin;
 pub mod views;
@@ -34,6 +35,7 @@ pub use graph::{Graph, NodeKind, Pin};
 pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};
 pub use progress::{ModelLoss, Progress, Stage};
+pub use sets::DisjointSets;
 pub use settings::FitSettings;
 pub use twin::{
     Twin,

@@ -8,7 +8,7 @@
 
 use std::io::Write;
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, geometry::bounds};
 use serde_json::{Value, json};
 
 use crate::{Error, Format, Scene};
@@ -151,7 +151,8 @@ impl Document {
         for part in parts {
             this.positions.push(this.accessors.len());
             for frame in 0..frames {
-                let [low, high] = bounds(&target(scene, part, frame));
+                // The format requires the bounds of the stored values.
+                let [low, high] = bounds(&target(scene, part, frame)).unwrap_or_default();
                 this.add(FLOAT, part.count, "VEC3", 12, &json!({"min": low, "max": high}));
             }
         }
@@ -240,14 +241,6 @@ impl Document {
         }
         mesh
     }
-}
-
-/// Lowest and highest coordinates; the format requires their stored values.
-fn bounds(points: &[Point]) -> [Point; 2] {
-    let first = points.first().copied().unwrap_or_default();
-    points.iter().fold([first; 2], |[low, high], p| {
-        [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
-    })
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bendtwin_core::{
     Point, Surface, Twin,
-    geometry::{length, sub},
+    geometry::{bounds, length, sub},
 };
 use bendtwin_graph::{SurfacePoints, bind_points};
 use bendtwin_mesh::Mesh;
@@ -188,19 +188,15 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The light of a colour of images (sRGB), each channel 0..=1 (IEC 61966-2-1).
+/// The light of a colour of images (sRGB), each channel 0..=1.
 pub(crate) fn linear(color: [u8; 3]) -> [f64; 3] {
-    color.map(|channel| {
-        let x = f64::from(channel) / 255.0;
-        if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
-    })
+    color.map(|channel| bendtwin_image_metrics::linear(f64::from(channel) / 255.0))
 }
 
 /// Refuses a mesh that lies apart from the nodes or is of another size: in other units or axes, it
 /// would be carried along far away from them.
 fn check_place(mesh: &Mesh, nodes: &[Point]) -> Result<(), Error> {
-    let twin = Mesh { vertices: nodes.to_vec(), triangles: Vec::new() };
-    let (Some(a), Some(b)) = (mesh.bounds(), twin.bounds()) else { return Ok(()) };
+    let (Some(a), Some(b)) = (mesh.bounds(), bounds(nodes)) else { return Ok(()) };
     let size_m = |[low, high]: [Point; 2]| length(sub(low, high));
     let (mesh_m, twin_m) = (size_m(a), size_m(b));
     let centre = |[low, high]: [Point; 2]| std::array::from_fn(|i| (low[i] + high[i]) / 2.0);

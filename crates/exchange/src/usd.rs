@@ -10,7 +10,7 @@ use std::{
     io::{self, Seek, Write},
 };
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, geometry::bounds};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::{Error, PointSet, Scene, scene::linear};
@@ -72,9 +72,9 @@ fn points(scene: &Scene<'_>, codes: &[f64], out: &mut impl Write) -> Result<(), 
     if is_nodes {
         let graph = &scene.twin().graph;
         let kinds: Vec<u8> = graph.kinds.iter().map(|k| *k as u8).collect();
-        primvar(out, "int[]", "kind", "vertex", &kinds)?;
-        primvar(out, "int[]", "object", "vertex", &graph.object_ids)?;
-        primvar(out, "float[]", "mass", "vertex", &graph.masses)?;
+        primvar(out, "int[]", "kind", "vertex", &list(&kinds))?;
+        primvar(out, "int[]", "object", "vertex", &list(&graph.object_ids))?;
+        primvar(out, "float[]", "mass", "vertex", &list(&graph.masses))?;
     }
     writeln!(out, "    }}")?;
     Ok(())
@@ -89,7 +89,7 @@ fn mesh(scene: &Scene<'_>, codes: &[f64], out: &mut impl Write) -> Result<(), Er
     if !scene.colors().is_empty() {
         let light = |color: &[u8; 3]| linear(*color).map(|x| x as f32);
         let colors: Vec<Point> = scene.colors().iter().map(light).collect();
-        primvar_tuples(out, "color3f[]", "displayColor", &colors)?;
+        primvar(out, "color3f[]", "displayColor", "vertex", &tuples(&colors))?;
     }
     writeln!(out, "        uniform token subdivisionScheme = \"none\"\n    }}")?;
     Ok(())
@@ -110,9 +110,9 @@ fn springs(scene: &Scene<'_>, out: &mut impl Write) -> Result<(), Error> {
     writeln!(out, "        point3f[] points = {}", tuples(&ends))?;
     extent(out, &ends)?;
     constant_width(out, SPRING_M)?;
-    primvar(out, "float[]", "restLength", "uniform", &of(&params.rest_lengths_m))?;
-    primvar(out, "float[]", "stiffness", "uniform", &of(&params.spring_stiffness))?;
-    primvar(out, "float[]", "dashpot", "uniform", &of(&params.spring_dashpot))?;
+    primvar(out, "float[]", "restLength", "uniform", &list(&of(&params.rest_lengths_m)))?;
+    primvar(out, "float[]", "stiffness", "uniform", &list(&of(&params.spring_stiffness)))?;
+    primvar(out, "float[]", "dashpot", "uniform", &list(&of(&params.spring_dashpot)))?;
     writeln!(out, "    }}")?;
     Ok(())
 }
@@ -134,49 +134,28 @@ fn moving<'a>(
     }
     writeln!(out, "        }}\n        float3[] extent.timeSamples = {{")?;
     for (frame, code) in codes.iter().enumerate() {
-        writeln!(out, "            {code}: {},", tuples(&bounds(&at(frame))))?;
+        writeln!(out, "            {code}: {},", tuples(&bounds(&at(frame)).unwrap_or_default()))?;
     }
     writeln!(out, "        }}")?;
     Ok(())
 }
 
 fn extent(out: &mut impl Write, points: &[Point]) -> io::Result<()> {
-    writeln!(out, "        float3[] extent = {}", tuples(&bounds(points)))
-}
-
-fn bounds(points: &[Point]) -> [Point; 2] {
-    let first = points.first().copied().unwrap_or_default();
-    points.iter().fold([first; 2], |[low, high], p| {
-        [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
-    })
+    writeln!(out, "        float3[] extent = {}", tuples(&bounds(points).unwrap_or_default()))
 }
 
 fn constant_width(out: &mut impl Write, width_m: f32) -> io::Result<()> {
     writeln!(out, "        float[] widths = [{width_m}] (interpolation = \"constant\")")
 }
 
-fn primvar<T: std::fmt::Display>(
+fn primvar(
     out: &mut impl Write,
     kind: &str,
     name: &str,
     interpolation: &str,
-    values: &[T],
+    values: &str,
 ) -> io::Result<()> {
-    writeln!(
-        out,
-        "        {kind} primvars:{name} = {} (interpolation = \"{interpolation}\")",
-        list(values)
-    )
-}
-
-fn primvar_tuples(
-    out: &mut impl Write,
-    kind: &str,
-    name: &str,
-    values: &[Point],
-) -> io::Result<()> {
-    let values = tuples(values);
-    writeln!(out, "        {kind} primvars:{name} = {values} (interpolation = \"vertex\")")
+    writeln!(out, "        {kind} primvars:{name} = {values} (interpolation = \"{interpolation}\")")
 }
 
 fn list<T: std::fmt::Display>(values: &[T]) -> String {

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, num::NonZero};
 
-use bendtwin_core::Point;
+use bendtwin_core::{DisjointSets, Point};
 use bendtwin_near::{PointTree, Search};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -15,30 +15,6 @@ const TOO_NEAR: f32 = 0.99;
 /// Nearest nodes that are searched before all nodes are.
 const FEW: NonZero<usize> = NonZero::new(24).unwrap();
 
-/// Disjoint sets of nodes.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn new(n: usize) -> Self {
-        Self((0..n as u32).collect())
-    }
-
-    fn find(&mut self, mut x: u32) -> u32 {
-        while self.0[x as usize] != x {
-            self.0[x as usize] = self.0[self.0[x as usize] as usize];
-            x = self.0[x as usize];
-        }
-        x
-    }
-
-    /// Joins two sets; the smaller root stays, so names do not depend on order.
-    fn union(&mut self, a: u32, b: u32) -> bool {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-        a != b
-    }
-}
-
 /// Adds springs until all nodes of an object hang together: every piece but
 /// the first is joined at its closest approach to another piece, by up to three
 /// springs from each of the two nodes. Returns how many pieces were joined.
@@ -50,13 +26,13 @@ pub(super) fn join(
     springs: &mut Vec<[u32; 2]>,
 ) -> usize {
     let n = sample.node_count();
-    let mut sets = Sets::new(n);
+    let mut sets = DisjointSets::new(n);
     for &[a, b] in springs.iter() {
         sets.union(a, b);
     }
     let mut joined = 0;
     loop {
-        let roots: Vec<u32> = (0..n as u32).map(|i| sets.find(i)).collect();
+        let roots = sets.names();
         let (members, trees) = (HashMap::new(), HashMap::new());
         let mut pieces = Pieces { sample, tree, roots, members, trees };
         let before = joined;

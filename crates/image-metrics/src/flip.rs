@@ -6,6 +6,7 @@ mod sensitivity;
 
 use rayon::prelude::*;
 
+pub use self::color::linear;
 use self::color::{Lab, Opponent};
 use crate::{
     Pair,

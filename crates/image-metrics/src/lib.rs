@@ -22,7 +22,7 @@ mod test_images;
 mod whole;
 
 pub use error::Error;
-pub use flip::{PIXELS_PER_DEGREE, flip};
+pub use flip::{PIXELS_PER_DEGREE, flip, linear};
 pub use image::{Image, Pair};
 pub use iou::iou;
 pub use psnr::{mean_squared_error, psnr};

@@ -1,6 +1,6 @@
 //! A triangle mesh as plain data.
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, geometry::bounds};
 
 use crate::{Error, Limits, Similarity, Vec3, vec3};
 
@@ -30,10 +30,7 @@ impl Mesh {
 
     /// Lowest and highest corner of the box around the vertices; `None` without vertices.
     pub fn bounds(&self) -> Option<[Point; 2]> {
-        let first = *self.vertices.first()?;
-        Some(self.vertices.iter().fold([first; 2], |[low, high], v| {
-            [std::array::from_fn(|a| low[a].min(v[a])), std::array::from_fn(|a| high[a].max(v[a]))]
-        }))
+        bounds(&self.vertices)
     }
 
     /// Corners of the triangles whose vertices exist; [`Mesh::check`] makes that all of them.

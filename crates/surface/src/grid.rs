@@ -1,6 +1,9 @@
 //! Samples of space on a cubic grid.
 
-use bendtwin_core::Point;
+use bendtwin_core::{
+    Point,
+    geometry::{bounds, wide},
+};
 
 /// A cubic grid; x changes fastest.
 #[derive(Clone, Copy, Debug)]
@@ -22,11 +25,7 @@ impl Grid {
         cell_m: f64,
         most: usize,
     ) -> Option<Self> {
-        let first = points.first()?.map(f64::from);
-        let [low, high] = points.iter().fold([first; 2], |[low, high], p| {
-            let p = p.map(f64::from);
-            [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
-        });
+        let [low, high] = bounds(points)?.map(wide);
         let samples = |cell_m: f64| -> [f64; 3] {
             let extent = |a: usize| high[a] - low[a] + 2.0 * margin_m(cell_m);
             std::array::from_fn(|a| (extent(a) / cell_m).ceil() + 1.0)

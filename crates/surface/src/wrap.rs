@@ -1,7 +1,7 @@
 //! A closed mesh around points.
 
 use bendtwin_core::{
-    Point,
+    DisjointSets, Point,
     geometry::{Vector, add, cross, dot, scaled, sub, unit, wide},
 };
 use bendtwin_near::PointTree;
@@ -276,29 +276,19 @@ fn deepest_nearby(grid: &Grid, depth: &[f32]) -> Vec<f32> {
 impl Wrapped {
     /// Leaves out parts that are small beside the largest: points that lie apart by error.
     fn drop_small_parts(&mut self) {
-        let mut part: Vec<u32> = (0..self.vertices.len() as u32).collect();
-        fn root(part: &mut [u32], mut i: u32) -> u32 {
-            while part[i as usize] != i {
-                part[i as usize] = part[part[i as usize] as usize];
-                i = part[i as usize];
-            }
-            i
+        let mut sets = DisjointSets::new(self.vertices.len());
+        for [a, b] in self.edges() {
+            sets.union(a, b);
         }
-        for [a, b, c] in &self.triangles {
-            for other in [b, c] {
-                let (one, other) = (root(&mut part, *a), root(&mut part, *other));
-                part[one.max(other) as usize] = one.min(other);
-            }
-        }
-        let roots: Vec<u32> = (0..part.len() as u32).map(|i| root(&mut part, i)).collect();
-        let mut sizes = vec![0_usize; roots.len()];
-        roots.iter().for_each(|r| sizes[*r as usize] += 1);
+        let parts = sets.names();
+        let mut sizes = vec![0_usize; parts.len()];
+        parts.iter().for_each(|part| sizes[*part as usize] += 1);
         let largest = sizes.iter().copied().max().unwrap_or_default();
         let least = LEAST_PART * largest as f64;
-        let is_kept = |vertex: usize| sizes[roots[vertex] as usize] as f64 >= least;
-        let mut numbers = Vec::with_capacity(roots.len());
+        let is_kept = |vertex: usize| sizes[parts[vertex] as usize] as f64 >= least;
+        let mut numbers = Vec::with_capacity(parts.len());
         let mut next = 0_u32;
-        for vertex in 0..roots.len() {
+        for vertex in 0..parts.len() {
             numbers.push(next);
             next += u32::from(is_kept(vertex));
         }
@@ -348,7 +338,7 @@ impl Wrapped {
             triangle.iter().for_each(|i| normals[*i as usize] = add(normals[*i as usize], area));
         }
         for (vertex, normal) in self.vertices.iter_mut().zip(normals) {
-            // Of a sheet both sides would get into one place.
+            // Both sides of a sheet would come to one place.
             let Some(normal) = unit(normal).filter(|_| !is_thin(vertex)) else { continue };
             let near = tree.within(*vertex, FIT_REACH * spacing_m, FIT_POINTS);
             let near: Vec<Vector> = near.iter().map(|n| wide(surface[n.number as usize])).collect();

@@ -81,6 +81,10 @@ pub(crate) struct Grant {
 }
 
 impl Grant {
+    /// Which scopes may be confined to what an owner has, for messages.
+    pub(crate) const CONFINED: &str =
+        "those of captures, fits, rollouts and twins may end in `:own`";
+
     /// The scope of a word, with or without a bound.
     pub(crate) fn parse(word: &str) -> Option<Self> {
         match word.strip_suffix(OWN) {

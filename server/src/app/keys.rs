@@ -76,16 +76,21 @@ impl App {
 
     pub(crate) async fn revoke_key(&self, name: &str) -> Result<()> {
         let done: Result<()> = async {
-            let id: KeyId = super::name(name)?;
-            let store = self.store.clone();
-            let key = self.change(async move { store.keys().revoke(id).await }).await?;
-            self.keys.learn(&key);
+            let key = self.revoke(super::name(name)?).await?;
             tracing::info!(key = %key.id, owner = key.owner, "key revoked");
             Ok(())
         }
         .await;
         audit::changed("DeleteKey", name, &done);
         done
+    }
+
+    /// Revokes a key, here immediately, and at other servers once they read it again.
+    async fn revoke(&self, id: KeyId) -> Result<Key> {
+        let store = self.store.clone();
+        let key = self.change(async move { store.keys().revoke(id).await }).await?;
+        self.keys.learn(&key);
+        Ok(key)
     }
 }
 
@@ -109,7 +114,7 @@ fn check_quotas(quotas: &Quotas) -> Result<()> {
 fn check_scopes(scopes: &[String]) -> Result<()> {
     let words = || {
         let words = Scope::ALL.map(Scope::as_str).join(", ");
-        format!("{words}; those of captures, fits, rollouts and twins may end in `:own`")
+        format!("{words}; {}", Grant::CONFINED)
     };
     if scopes.is_empty() {
         return Err(Error::invalid("scopes", format!("is empty: name some of {}", words())));

@@ -152,8 +152,8 @@ impl SignIn {
         check(
             scopes.all(|word| Grant::parse(word).is_some()),
             &format!(
-                "groups and default_scopes may have the scopes {words} alone; those of captures, fits, \
-                 rollouts and twins may end in `:own`"
+                "groups and default_scopes may have the scopes {words} alone; {}",
+                Grant::CONFINED
             ),
         );
         check(

@@ -61,6 +61,13 @@ struct State {
     looked_up: Option<Instant>,
 }
 
+impl State {
+    /// The last failure, while the provider is not asked again because of it.
+    fn recent_failure(&self) -> Option<&Error> {
+        self.failed.as_ref().filter(|(at, _)| at.elapsed() < PAUSE).map(|(_, error)| error)
+    }
+}
+
 /// What was read.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
@@ -104,22 +111,18 @@ impl Provider {
         if let Some(known) = self.cached() {
             return Ok(known);
         }
-        let failure = state.failed.as_ref().filter(|(at, _)| at.elapsed() < PAUSE);
-        let read = match failure {
-            Some((_, error)) => Err(error.clone()),
-            None => self.read().await,
-        };
-        match read {
+        if let Some(error) = state.recent_failure() {
+            return self.younger_than(STALE).ok_or_else(|| error.clone());
+        }
+        match self.read().await {
             Ok(known) => {
                 *state = State::default();
                 self.keep(&known);
                 Ok(known)
             }
             Err(error) => {
-                if state.failed.as_ref().is_none_or(|(at, _)| at.elapsed() >= PAUSE) {
-                    tracing::warn!(issuer = self.issuer, %error, "the identity provider cannot be used");
-                    state.failed = Some((Instant::now(), error.clone()));
-                }
+                tracing::warn!(issuer = self.issuer, %error, "the identity provider cannot be used");
+                state.failed = Some((Instant::now(), error.clone()));
                 self.younger_than(STALE).ok_or(error)
             }
         }
@@ -133,8 +136,7 @@ impl Provider {
         if state.looked_up.is_some_and(|at| at.elapsed() < UNKNOWN_KEY_INTERVAL) {
             return Ok(known.keys);
         }
-        let failure = state.failed.as_ref().filter(|(at, _)| at.elapsed() < PAUSE);
-        if let Some((_, error)) = failure {
+        if let Some(error) = state.recent_failure() {
             return Err(error.clone());
         }
         // Only a reading that succeeds defers the next one.

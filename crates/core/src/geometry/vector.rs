@@ -95,6 +95,14 @@ pub fn unit(a: Vector) -> Option<Vector> {
     (n.is_finite() && n > 1e-12).then(|| scaled(a, 1.0 / n))
 }
 
+/// Lowest and highest coordinates of points; `None` without points.
+pub fn bounds(points: &[Point]) -> Option<[Point; 2]> {
+    let first = *points.first()?;
+    Some(points.iter().fold([first; 2], |[low, high], p| {
+        [std::array::from_fn(|a| low[a].min(p[a])), std::array::from_fn(|a| high[a].max(p[a]))]
+    }))
+}
+
 /// A point in double precision.
 #[inline]
 pub fn wide(p: Point) -> Vector {

@@ -3,6 +3,7 @@
 //! decoded twin can be simulated without further checks.
 
 mod appearance;
+mod carried;
 mod identifiability;
 mod members;
 mod planner;
@@ -13,6 +14,7 @@ use std::borrow::Cow;
 use safetensors::{Dtype, SafeTensors, View};
 use serde::{Deserialize, Serialize};
 
+use self::carried::Carried;
 use super::{Provenance, Twin};
 use crate::{
     Contact, Environment, FRAME_RATES, Graph, MASSES, NodeKind, Params, Pin, Point, Problem,
@@ -44,6 +46,16 @@ const WITH_PLANNER: u32 = 7;
 
 /// The tensor that says the hand of each control point; a file of any version may have it.
 const HANDS: &str = "controls.hand";
+
+/// The tensors of the skin, and that of the tracked points that it has.
+const SKIN: Carried = Carried {
+    counts: "skin.weight_count",
+    nodes: "skin.weight_node",
+    weights: "skin.weight",
+    frames: "skin.frame",
+    offsets: "skin.offset",
+};
+const OBSERVED: &str = "skin.observed_point";
 
 /// Key of the JSON document in the container's metadata.
 const METADATA_KEY: &str = "bendtwin.twin";
@@ -158,16 +170,9 @@ impl Twin {
             ]);
         }
         if version >= WITH_SKIN {
-            let s = &self.skin;
-            let (m, k) = (s.len(), s.nodes.len());
-            tensors.extend([
-                ("skin.observed_point", raw(Dtype::U32, &[m], &s.observed_points)),
-                ("skin.weight_count", raw(Dtype::U32, &[m], &weight_counts(s))),
-                ("skin.weight_node", raw(Dtype::U32, &[k], &s.nodes)),
-                ("skin.weight", raw(Dtype::F32, &[k], &s.weights)),
-                ("skin.frame", raw(Dtype::U32, &[m, 3], &s.frames)),
-                ("skin.offset", raw(Dtype::F32, &[m, 3], &s.offsets_m)),
-            ]);
+            let observed = &self.skin.observed_points;
+            tensors.push((OBSERVED, raw(Dtype::U32, &[observed.len()], observed)));
+            tensors.extend(SKIN.tensors(&self.skin));
         }
         if !self.members.is_empty() {
             tensors.extend(members::tensors(&self.members));
@@ -393,26 +398,6 @@ impl Twin {
     }
 }
 
-/// Number of weights of each point.
-fn weight_counts(skin: &Skin) -> Vec<u32> {
-    skin.starts.windows(2).map(|w| w[1] - w[0]).collect()
-}
-
-/// The first weight of each point and the end of the last, of the numbers of weights that a tensor holds.
-fn starts(tensor: &str, counts: &[u32]) -> Result<Vec<u32>, FormatError> {
-    let mut starts = Vec::with_capacity(counts.len() + 1);
-    starts.push(0_u32);
-    for &count in counts {
-        let last = starts[starts.len() - 1];
-        let Some(end) = last.checked_add(count) else {
-            let why = format!("{tensor} adds up to more than indices can name");
-            return Err(FormatError::Inconsistent(why));
-        };
-        starts.push(end);
-    }
-    Ok(starts)
-}
-
 struct Tensors<'a>(SafeTensors<'a>);
 
 impl Tensors<'_> {
@@ -421,18 +406,9 @@ impl Tensors<'_> {
         self.0.tensor(name).is_ok()
     }
 
-    /// The skin; its weights stand one point after another in the file.
+    /// The skin.
     fn skin(&self) -> Result<Skin, FormatError> {
-        let counts: Vec<u32> = self.read("skin.weight_count", Dtype::U32, None)?;
-        let starts = starts("skin.weight_count", &counts)?;
-        Ok(Skin {
-            observed_points: self.read("skin.observed_point", Dtype::U32, None)?,
-            starts,
-            nodes: self.read("skin.weight_node", Dtype::U32, None)?,
-            weights: self.read("skin.weight", Dtype::F32, None)?,
-            frames: self.read("skin.frame", Dtype::U32, Some(3))?,
-            offsets_m: self.read("skin.offset", Dtype::F32, Some(3))?,
-        })
+        Ok(Skin { observed_points: self.read(OBSERVED, Dtype::U32, None)?, ..self.carried(&SKIN)? })
     }
 
     /// The rods' nodes, one rod after another in the file.

@@ -41,7 +41,9 @@ impl Opponent {
         let (width, height) = (srgb[0].width, srgb[0].height);
         let colors: Vec<[f64; 3]> = (0..width * height)
             .map(|p| {
-                let [x, y, z] = relative_xyz(srgb.each_ref().map(|plane| linear(plane.values[p])));
+                let [x, y, z] = relative_xyz(
+                    srgb.each_ref().map(|plane| linear(f64::from(plane.values[p].clamp(0.0, 1.0)))),
+                );
                 [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
             })
             .collect();
@@ -78,9 +80,8 @@ pub(super) fn hunt_lab_of_linear(rgb: [f64; 3]) -> Lab {
     }
 }
 
-/// Linear value of one of sRGB, IEC 61966-2-1.
-fn linear(srgb: f32) -> f64 {
-    let value = f64::from(srgb.clamp(0.0, 1.0));
+/// Linear value of one of sRGB, both 0 to 1 (IEC 61966-2-1).
+pub fn linear(value: f64) -> f64 {
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 

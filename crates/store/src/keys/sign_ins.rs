@@ -4,11 +4,7 @@
 use jiff::Timestamp;
 
 use super::{Key, Keys, NewKey, Row, insert, stored_scopes};
-use crate::{
-    Result,
-    sql::query,
-    store::clock::{from_micros, micros},
-};
+use crate::{Result, sql::query, store::clock::micros};
 
 /// Most sign-ins of a person that are valid; a further one ends the oldest.
 pub(super) const MOST_SIGN_INS: i64 = 32;
@@ -69,10 +65,7 @@ impl Keys<'_> {
         tx.commit().await?;
         ended.extend(replaced);
         // A row that cannot be read admits nobody either.
-        let ended = ended.into_iter().filter_map(|row| Key::try_from(row).ok());
-        let ended = ended
-            .map(|key| Key { revoked: key.revoked.or(Some(from_micros(now))), ..key })
-            .collect();
+        let ended = ended.into_iter().filter_map(|row| Key::try_from(row).ok()).collect();
         Ok(SignedIn { key, ended })
     }
 

@@ -94,9 +94,7 @@ impl App {
             return Ok(());
         }
         let done: Result<()> = async {
-            let store = self.store.clone();
-            let key = self.change(async move { store.keys().revoke(id).await }).await?;
-            self.keys.learn(&key);
+            let key = self.revoke(id).await?;
             tracing::info!(key = %key.id, owner = key.owner, "signed out");
             Ok(())
         }

@@ -2,13 +2,21 @@
 
 use safetensors::Dtype;
 
-use super::{FormatError, Raw, Tensors, raw, starts, weight_counts};
-use crate::{Appearance, Graph, Skin, Splats};
+use super::{FormatError, Raw, Tensors, carried::Carried, raw};
+use crate::{Appearance, Splats};
 
 /// The tensor that a file with colours of the skin has.
 const COLORS: &str = "skin.color";
 /// The tensor that a file with Gaussians has.
 const SCALES: &str = "splats.scale";
+/// The tensors of the means of Gaussians.
+const CARRIERS: Carried = Carried {
+    counts: "splats.weight_count",
+    nodes: "splats.weight_node",
+    weights: "splats.weight",
+    frames: "splats.frame",
+    offsets: "splats.offset",
+};
 
 /// Tensors of an appearance.
 pub(super) fn tensors(appearance: &Appearance) -> Vec<(&'static str, Raw<'static>)> {
@@ -18,14 +26,9 @@ pub(super) fn tensors(appearance: &Appearance) -> Vec<(&'static str, Raw<'static
         tensors.push((COLORS, raw(Dtype::U8, &[colors.len(), 3], colors)));
     }
     if let Some(splats) = &appearance.splats {
-        let (carriers, count) = (&splats.carriers, splats.len());
-        let weights = carriers.nodes.len();
+        let count = splats.len();
+        tensors.extend(CARRIERS.tensors(&splats.carriers));
         tensors.extend([
-            ("splats.weight_count", raw(Dtype::U32, &[count], &weight_counts(carriers))),
-            ("splats.weight_node", raw(Dtype::U32, &[weights], &carriers.nodes)),
-            ("splats.weight", raw(Dtype::F32, &[weights], &carriers.weights)),
-            ("splats.frame", raw(Dtype::U32, &[count, 3], &carriers.frames)),
-            ("splats.offset", raw(Dtype::F32, &[count, 3], &carriers.offsets_m)),
             (SCALES, raw(Dtype::F32, &[count, 3], &splats.scales_m)),
             ("splats.rotation", raw(Dtype::F32, &[count, 4], &splats.rotations)),
             ("splats.opacity", raw(Dtype::F32, &[count], &splats.opacities)),
@@ -52,17 +55,8 @@ impl Tensors<'_> {
     }
 
     fn splats(&self) -> Result<Splats, FormatError> {
-        let counts: Vec<u32> = self.read("splats.weight_count", Dtype::U32, None)?;
-        let carriers = Skin {
-            observed_points: vec![Graph::NOT_OBSERVED; counts.len()],
-            starts: starts("splats.weight_count", &counts)?,
-            nodes: self.read("splats.weight_node", Dtype::U32, None)?,
-            weights: self.read("splats.weight", Dtype::F32, None)?,
-            frames: self.read("splats.frame", Dtype::U32, Some(3))?,
-            offsets_m: self.read("splats.offset", Dtype::F32, Some(3))?,
-        };
         Ok(Splats {
-            carriers,
+            carriers: self.carried(&CARRIERS)?,
             scales_m: self.read(SCALES, Dtype::F32, Some(3))?,
             rotations: self.read("splats.rotation", Dtype::F32, Some(4))?,
             opacities: self.read("splats.opacity", Dtype::F32, None)?,

@@ -3,8 +3,8 @@
 
 use safetensors::Dtype;
 
-use super::{FormatError, Raw, Tensors, raw, starts, weight_counts};
-use crate::{Graph, Skin, Surface, Tube};
+use super::{FormatError, Raw, Tensors, carried::Carried, raw};
+use crate::{Surface, Tube};
 
 /// The tensor that a file with a surface has.
 const TRIANGLES: &str = "surface.triangle";
@@ -12,19 +12,20 @@ const TRIANGLES: &str = "surface.triangle";
 const COLORS: &str = "surface.color";
 /// The tensor that a file with tubes has.
 const TUBES: &str = "surface.tube_length";
+/// The tensors of the vertices.
+const CARRIERS: Carried = Carried {
+    counts: "surface.weight_count",
+    nodes: "surface.weight_node",
+    weights: "surface.weight",
+    frames: "surface.frame",
+    offsets: "surface.offset",
+};
 
 /// Tensors of a surface.
 pub(super) fn tensors(surface: &Surface) -> Vec<(&'static str, Raw<'static>)> {
-    let (carriers, count) = (&surface.carriers, surface.carriers.len());
-    let (weights, faces) = (carriers.nodes.len(), surface.triangles.len());
-    let mut tensors = vec![
-        ("surface.weight_count", raw(Dtype::U32, &[count], &weight_counts(carriers))),
-        ("surface.weight_node", raw(Dtype::U32, &[weights], &carriers.nodes)),
-        ("surface.weight", raw(Dtype::F32, &[weights], &carriers.weights)),
-        ("surface.frame", raw(Dtype::U32, &[count, 3], &carriers.frames)),
-        ("surface.offset", raw(Dtype::F32, &[count, 3], &carriers.offsets_m)),
-        (TRIANGLES, raw(Dtype::U32, &[faces, 3], &surface.triangles)),
-    ];
+    let mut tensors = Vec::from(CARRIERS.tensors(&surface.carriers));
+    let triangles = &surface.triangles;
+    tensors.push((TRIANGLES, raw(Dtype::U32, &[triangles.len(), 3], triangles)));
     if !surface.colors.is_empty() {
         tensors.push((COLORS, raw(Dtype::U8, &[surface.colors.len(), 3], &surface.colors)));
     }
@@ -48,17 +49,8 @@ impl Tensors<'_> {
         if !self.has(TRIANGLES) {
             return Ok(None);
         }
-        let counts: Vec<u32> = self.read("surface.weight_count", Dtype::U32, None)?;
-        let carriers = Skin {
-            observed_points: vec![Graph::NOT_OBSERVED; counts.len()],
-            starts: starts("surface.weight_count", &counts)?,
-            nodes: self.read("surface.weight_node", Dtype::U32, None)?,
-            weights: self.read("surface.weight", Dtype::F32, None)?,
-            frames: self.read("surface.frame", Dtype::U32, Some(3))?,
-            offsets_m: self.read("surface.offset", Dtype::F32, Some(3))?,
-        };
         Ok(Some(Surface {
-            carriers,
+            carriers: self.carried(&CARRIERS)?,
             triangles: self.read(TRIANGLES, Dtype::U32, Some(3))?,
             colors: match self.has(COLORS) {
                 true => self.read(COLORS, Dtype::U8, Some(3))?,
