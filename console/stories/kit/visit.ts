@@ -5,6 +5,7 @@ import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { expect } from 'vitest';
 import type { Server } from '../../scripts/server.mjs';
 import { barriers } from './barriers';
+import { serveDist } from './dist';
 
 export const SCREENSHOTS = fileURLToPath(new URL('../../screenshots/', import.meta.url));
 /** No network but the machine's own, and WebGL in software. */
@@ -43,6 +44,7 @@ export class Visit {
   /** Opens the console in a fresh profile. */
   static async open(browser: Browser, server: Server, { at = '/', ...options }: VisitOptions = {}): Promise<Visit> {
     const context = await browser.newContext({ viewport: { width: 1200, height: 800 }, ...options });
+    if (process.env['BENDTWIN_CONSOLE'] === 'dist') await serveDist(context, server.url);
     const page = await context.newPage();
     page.setDefaultTimeout(DEADLINE_MS);
     const visit = new Visit(page, server);

@@ -1,0 +1,22 @@
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import type { BrowserContext } from 'playwright-core';
+
+const DIST = fileURLToPath(new URL('../../dist/', import.meta.url));
+
+/**
+ * Replaces the files that a server has embedded by those of `npm run build`, under the server's headers, so that
+ * stories run on changed sources without building the server again.
+ */
+export async function serveDist(context: BrowserContext, url: string): Promise<void> {
+  const { headers } = await fetch(url);
+  const policy = headers.get('content-security-policy') ?? '';
+  await context.route(
+    (address) => address.origin === url && /^\/($|sign-in$|assets\/)/.test(address.pathname),
+    (route) => {
+      const { pathname } = new URL(route.request().url());
+      const path = join(DIST, pathname.startsWith('/assets/') ? pathname : 'index.html');
+      return route.fulfill({ path, headers: { 'content-security-policy': policy } });
+    },
+  );
+}
