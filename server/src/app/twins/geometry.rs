@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use bendtwin_budget::Share;
-use bendtwin_contract::rollout;
 use bendtwin_core::{Graph, Skin, Twin as TwinFile, geometry::distance, ids::TwinId};
 use bendtwin_proto::v1::{Plane, Tensor, TwinGeometry, twin_geometry};
-use futures::TryStreamExt as _;
 use prost::Message as _;
 
-use super::{App, Error, Result};
+use super::{App, Result};
 use crate::access::Scope;
 
 /// The geometry of a twin, and its memory.
@@ -25,28 +23,13 @@ impl App {
     }
 
     /// The geometry of a twin that the caller reaches.
-    pub(super) async fn geometry_of(&self, twin: TwinId, as_lists: bool) -> Result<Geometry> {
-        let (_, content) = self.store.twins().content(twin).await?;
-        let share = self.memory.twin_file(content.size_bytes).await?;
-        let chunks: Vec<_> = content.chunks.try_collect().await?;
-        let read = tokio::task::spawn_blocking(move || {
-            let _share = share;
-            let twin = TwinFile::decode(&chunks.concat()).map_err(Error::from)?;
-            drop(chunks);
-            Ok::<_, Error>(geometry(&twin))
-        });
-        let message =
-            read.await.map_err(|e| Error::Internal(format!("reading a twin file: {e}")))??;
-        let (asked, limits) = (message.encoded_len() as u64, &self.options.limits.rollout);
-        if as_lists && asked > limits.json_reply_bytes {
-            return Err(Error::Rollout(rollout::Error::TooLarge {
-                what: "the size of the reply in bytes",
-                asked,
-                limit: limits.json_reply_bytes,
-                advice: "ask for tensors=base64, or over gRPC",
-            }));
-        }
-        let held = Arc::new(self.memory.reply(asked).await?);
+    pub(in crate::app) async fn geometry_of(
+        &self,
+        twin: TwinId,
+        as_lists: bool,
+    ) -> Result<Geometry> {
+        let message = self.read_twin(twin, |_, twin| Ok(geometry(twin))).await?;
+        let held = self.hold_tensors(message.encoded_len() as u64, as_lists).await?;
         Ok(Geometry { message, held })
     }
 }
@@ -107,7 +90,8 @@ fn geometry(twin: &TwinFile) -> TwinGeometry {
     }
 }
 
-fn skin(skin: &Skin, graph: &Graph) -> twin_geometry::Skin {
+/// The wire form of points that nodes carry.
+pub(super) fn skin(skin: &Skin, graph: &Graph) -> twin_geometry::Skin {
     let (m, k) = (skin.len(), skin.nodes.len());
     let counts: Vec<u32> = skin.starts.windows(2).map(|ends| ends[1] - ends[0]).collect();
     twin_geometry::Skin {
