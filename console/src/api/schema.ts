@@ -6140,9 +6140,9 @@ export interface operations {
     };
     ExportTwinAs: {
         parameters: {
-            query: {
-                /** @description The format */
-                format: "twin" | "splats" | "ply" | "ply-sequence" | "obj" | "glb" | "npz" | "usda" | "usdz" | "mujoco" | "mcap";
+            query?: {
+                /** @description The format; default: glb */
+                format?: "twin" | "splats" | "ply" | "ply-sequence" | "obj" | "glb" | "npz" | "usda" | "usdz" | "mujoco" | "mcap";
             };
             header?: never;
             path: {

@@ -25,6 +25,8 @@ use crate::{
     grpc::convert,
 };
 
+/// Format of an export that is not said.
+const FORMAT: &str = "glb";
 /// Bytes of a chunk of an export.
 const CHUNK: usize = 64 << 10;
 
@@ -78,8 +80,8 @@ pub(super) async fn surface(
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ExportParams {
-    /// A word of `bendtwin twin export --format`.
-    format: String,
+    /// A word of `bendtwin twin export --format`; `glb` by default.
+    format: Option<String>,
 }
 
 /// Download a twin in the format of another program
@@ -88,7 +90,8 @@ pub(super) async fn export(
     Id(id): Id,
     Params(params): Params<ExportParams>,
 ) -> Result<Response> {
-    let Exported { bytes, extension, held } = app.export_as(&id, &params.format).await?;
+    let Exported { bytes, extension, held } =
+        app.export_as(&id, params.format.as_deref().unwrap_or(FORMAT)).await?;
     let file_name = format!("{}.{extension}", id.trim_start_matches("twins/"));
     let headers = [
         (header::CONTENT_TYPE, "application/octet-stream".to_owned()),

@@ -391,8 +391,8 @@ class Client:
     def twins(
         self, capture: str = "", *, level: str = "", **choice: Unpack[ListArguments]
     ) -> Iterator[Twin]:
-        """All twins, newest first, or those of a capture, with a level of trust (good, fair, poor or
-        unknown), a text or a tag."""
+        """All twins, newest first, or those of a capture, with a text or a tag, or of a level of
+        trust: good, fair, poor or unknown."""
         pages = self._caller.pages(calls.list_twins(capture, level, choice))
         return (self._twin(info) for info in pages)
 
