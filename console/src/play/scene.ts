@@ -6,7 +6,7 @@ import { CollidersLayer } from '../view3d/layers/colliders';
 import { GroundLayer } from '../view3d/layers/ground';
 import { HandsLayer } from '../view3d/layers/hands';
 import { Legend, number } from '../view3d/legend';
-import { planeOf, type TwinShape } from '../view3d/shape';
+import { planeOf, sizeOf, type TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
 import type { Driver } from './input/driver';
@@ -189,15 +189,4 @@ function middleOf(points: Float32Array): Vector3 {
   const middle = new Vector3();
   for (let i = 0; i < points.length; i += 3) middle.add(new Vector3().fromArray(points, i));
   return middle.divideScalar(Math.max(points.length / 3, 1));
-}
-
-/** Length of the diagonal of a box around points [m]. */
-function sizeOf(points: Float32Array): number {
-  const [low, high] = [new Vector3().setScalar(Infinity), new Vector3().setScalar(-Infinity)];
-  for (let i = 0; i < points.length; i += 3) {
-    const point = new Vector3().fromArray(points, i);
-    low.min(point);
-    high.max(point);
-  }
-  return points.length === 0 ? 0.1 : Math.max(high.distanceTo(low), 0.01);
 }

@@ -6,6 +6,7 @@ import { expect } from 'vitest';
 import type { Server } from '../../scripts/server.mjs';
 import { barriers } from './barriers';
 import { serveDist } from './dist';
+import { serveSurfaces } from './surfaces';
 
 export const SCREENSHOTS = fileURLToPath(new URL('../../screenshots/', import.meta.url));
 /** No network but the machine's own, and WebGL in software. */
@@ -45,6 +46,7 @@ export class Visit {
   static async open(browser: Browser, server: Server, { at = '/', ...options }: VisitOptions = {}): Promise<Visit> {
     const context = await browser.newContext({ viewport: { width: 1200, height: 800 }, ...options });
     if (process.env['BENDTWIN_CONSOLE'] === 'dist') await serveDist(context, server.url);
+    await serveSurfaces(context, server.url);
     const page = await context.newPage();
     page.setDefaultTimeout(DEADLINE_MS);
     const visit = new Visit(page, server);
