@@ -124,9 +124,10 @@ export class TwinView {
     this.#castShadow();
   }
 
-  /** Marks where the skin exceeds a limit, by values of nodes from 0 to 1, shape [N]; null for nothing. */
-  warn(values: Float32Array | null): void {
+  /** Marks where the skin exceeds a limit, by values of nodes from 0 to 1, shape [N]; true if marks are seen. */
+  warn(values: Float32Array | null): boolean {
     this.#skin.warn(values);
+    return values !== null && this.#skin.isVisible && this.#skin.caster !== null;
   }
 
   /** Colours springs and triplets, or the skin, and says what the colours mean. */

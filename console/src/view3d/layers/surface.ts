@@ -27,7 +27,7 @@ const VERTEX = /* glsl */ `
     gl_Position = projectionMatrix * seen;
     vec3 n = normal / max(length(normal), 1e-20);
     float facing = abs(dot(normalize(mat3(modelViewMatrix) * n), normalize(seen.xyz)));
-    float light = mix(0.36, 0.62, 0.5 + 0.5 * n.z) + 0.5 * max(dot(n, sun), 0.0);
+    float light = mix(0.42, 0.74, 0.5 + 0.5 * n.z) + 0.55 * max(dot(n, sun), 0.0);
     // Edges that turn away are darker: the shape is seen on a background of its own colour too.
     light *= mix(0.7, 1.0, smoothstep(0.0, 0.6, facing));
     light = mix(light, 1.0, evenness);

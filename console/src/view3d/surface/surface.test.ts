@@ -27,14 +27,18 @@ const NODES = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0.5, 0, 0, 1.5]
 
 describe('readSurface', () => {
   it('reads a reply', () => {
-    const surface = readSurface(TETRAHEDRON, 5);
+    const surface = readSurface(TETRAHEDRON, 5)!;
     expect([surface.triangles.length, surface.colours[1], surface.tubes.length]).toEqual([12, 0, 0]);
     const tubes = {
       tube_starts: tensor(Uint32Array.of(0, 2, 5)),
       tube_nodes: tensor(Uint32Array.of(0, 1, 2, 3, 4)),
       tube_radii: tensor(Float32Array.of(0.5, 0.25)),
     };
-    expect(readSurface(tubes, 5).tubes.map(({ nodes, radius }) => [[...nodes], radius])).toEqual([[[0, 1], 0.5], [[2, 3, 4], 0.25]]);
+    expect(readSurface(tubes, 5)!.tubes.map(({ nodes, radius }) => [[...nodes], radius])).toEqual([[[0, 1], 0.5], [[2, 3, 4], 0.25]]);
+  });
+
+  it('finds nothing in an empty one', () => {
+    expect(readSurface({}, 5)).toBeNull();
   });
 
   it('refuses arrays that do not belong together', () => {
@@ -52,7 +56,7 @@ describe('readSurface', () => {
 
 describe('the mesh of a surface', () => {
   it('has normals that point away from its middle, also after it has moved', () => {
-    const mesh = new SurfaceMesh(readSurface(TETRAHEDRON, 5));
+    const mesh = new SurfaceMesh(readSurface(TETRAHEDRON, 5)!);
     for (const shift of [0, 3]) {
       mesh.place(NODES.map((x) => x + shift));
       for (let v = 0; v < 4; v += 1) {
@@ -67,7 +71,7 @@ describe('the mesh of a surface', () => {
   });
 
   it('gives vertices what their nodes have', () => {
-    const mesh = new SurfaceMesh(readSurface(TETRAHEDRON, 5));
+    const mesh = new SurfaceMesh(readSurface(TETRAHEDRON, 5)!);
     const out = new Float32Array(4);
     mesh.spread(Float32Array.of(1, 0, 0, 0.5, 1), out);
     expect([...out]).toEqual([1, 0, 0, 0.75]);

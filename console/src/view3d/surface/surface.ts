@@ -35,8 +35,8 @@ export async function askSurface(api: Api, twin: string, signal: AbortSignal): P
   }
 }
 
-/** Reads a reply for a twin of N nodes; throws if its arrays do not belong together. */
-export function readSurface(reply: SurfaceReply, nodes: number): Surface {
+/** Reads a reply for a twin of N nodes; null if it has no parts. Throws if its arrays do not belong together. */
+export function readSurface(reply: SurfaceReply, nodes: number): Surface | null {
   const carriers = readSkin(reply.carriers ?? {}, nodes, 'carriers');
   const vertices = pointCount(carriers);
   const triangles = indices(reply.triangles, 'triangles');
@@ -44,7 +44,8 @@ export function readSurface(reply: SurfaceReply, nodes: number): Surface {
   within(triangles, vertices, 'triangles');
   const colours = bytes(reply.colors, 'colors');
   if (colours.length > 0) ofLength(colours, 3 * vertices, 'colors');
-  return { carriers, triangles, colours, tubes: readTubes(reply, nodes) };
+  const tubes = readTubes(reply, nodes);
+  return triangles.length === 0 && tubes.length === 0 ? null : { carriers, triangles, colours, tubes };
 }
 
 function readTubes(reply: SurfaceReply, nodes: number): Tube[] {
