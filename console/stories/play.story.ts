@@ -258,9 +258,9 @@ describe('the playground', () => {
     await visit.stop('view-surface');
     await skin.uncheck();
     const pixels = changed(surface, await settled(page), 60);
-    // A closed surface in the colours of the rope, which light makes a little darker or brighter.
+    // A surface in the colours of the rope, of which parts are seen more than others, and none in one colour of its own.
     expect(pixels.length).toBeGreaterThan(3000);
-    expect(distance(mean(surface, pixels), await coloursOf(twin))).toBeLessThan(60);
+    expect(distance(mean(surface, pixels), await coloursOf(twin))).toBeLessThan(90);
     await page.getByRole('checkbox', { name: 'Springs' }).check();
     await page.getByRole('checkbox', { name: 'Bending triplets' }).check();
     expect(new URLSearchParams(page.url().split('?')[1]).get('layers')).toBe('appearance,shadow,springs,triplets');

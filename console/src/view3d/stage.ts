@@ -286,7 +286,7 @@ export class Stage {
   }
 
   readonly #paint = (): void => {
-    this.scene.background = new Color(this.isDark ? 0x14181d : 0xf4f6f8);
+    this.scene.background = new Color(this.isDark ? 0x262d35 : 0xeceff2);
     this.invalidate();
   };
 }
