@@ -1,18 +1,19 @@
 import { describe, expect, it } from 'vitest';
+import type { TwinSurface } from '../../api/types';
 import { NO_FRAME } from '../skin';
 import { base64 } from '../tensor';
 import { SurfaceMesh } from './mesh';
-import { readSurface, type SurfaceReply } from './surface';
+import { readSurface } from './surface';
 
 type Numbers = Uint32Array | Float32Array | Uint8Array;
 
-function tensor(values: Numbers, shape = [values.length]): NonNullable<SurfaceReply['triangles']> {
+function tensor(values: Numbers, shape = [values.length]): NonNullable<TwinSurface['triangles']> {
   const dtype = values instanceof Uint8Array ? 'UINT8' : values instanceof Uint32Array ? 'UINT32' : 'FLOAT32';
   return { dtype, shape, data: base64(new Uint8Array(values.buffer)) };
 }
 
 /** A tetrahedron whose corners are nodes, the last one in the middle between two. */
-const TETRAHEDRON: SurfaceReply = {
+const TETRAHEDRON: Partial<TwinSurface> = {
   carriers: {
     weight_counts: tensor(Uint32Array.of(1, 1, 1, 2)),
     weight_nodes: tensor(Uint32Array.of(0, 1, 2, 3, 4)),
@@ -42,7 +43,7 @@ describe('readSurface', () => {
   });
 
   it('refuses arrays that do not belong together', () => {
-    const wrong: [SurfaceReply, string][] = [
+    const wrong: [Partial<TwinSurface>, string][] = [
       [{ ...TETRAHEDRON, triangles: tensor(Uint32Array.of(0, 1, 4)) }, 'triangles'],
       [{ ...TETRAHEDRON, triangles: tensor(Uint32Array.of(0, 1)) }, 'triangles'],
       [{ ...TETRAHEDRON, colors: tensor(new Uint8Array(9)) }, 'colors has 9'],

@@ -1,5 +1,5 @@
 import { Problem, type Api } from '../../api/client';
-import type { Tensor, TwinGeometry } from '../../api/types';
+import type { TwinSurface } from '../../api/types';
 import { readSkin, pointCount, type Skin } from '../skin';
 import { bytes, floats, indices, ofLength, within } from '../tensor';
 import type { Tube } from './tubes';
@@ -15,20 +15,10 @@ export interface Surface {
   readonly tubes: readonly Tube[];
 }
 
-/** A surface as the server sends it. */
-export interface SurfaceReply {
-  readonly carriers?: NonNullable<TwinGeometry['skin']>;
-  readonly triangles?: Tensor;
-  readonly colors?: Tensor;
-  readonly tube_starts?: Tensor;
-  readonly tube_nodes?: Tensor;
-  readonly tube_radii?: Tensor;
-}
-
 /** Asks for the surface of a twin; null if it is too small for one. */
-export async function askSurface(api: Api, twin: string, signal: AbortSignal): Promise<SurfaceReply | null> {
+export async function askSurface(api: Api, twin: string, signal: AbortSignal): Promise<TwinSurface | null> {
   try {
-    return await api.json<SurfaceReply>(`/v1/twins/${encodeURIComponent(twin)}/surface?tensors=base64`, { signal });
+    return await api.get('/v1/twins/{id}/surface', { id: twin, query: { tensors: 'base64' }, signal });
   } catch (error) {
     if (error instanceof Problem && error.status === 404) return null;
     throw error;
@@ -36,7 +26,7 @@ export async function askSurface(api: Api, twin: string, signal: AbortSignal): P
 }
 
 /** Reads a reply for a twin of N nodes; null if it has no parts. Throws if its arrays do not belong together. */
-export function readSurface(reply: SurfaceReply, nodes: number): Surface | null {
+export function readSurface(reply: Partial<TwinSurface>, nodes: number): Surface | null {
   const carriers = readSkin(reply.carriers ?? {}, nodes, 'carriers');
   const vertices = pointCount(carriers);
   const triangles = indices(reply.triangles, 'triangles');
@@ -48,7 +38,7 @@ export function readSurface(reply: SurfaceReply, nodes: number): Surface | null 
   return triangles.length === 0 && tubes.length === 0 ? null : { carriers, triangles, colours, tubes };
 }
 
-function readTubes(reply: SurfaceReply, nodes: number): Tube[] {
+function readTubes(reply: Partial<TwinSurface>, nodes: number): Tube[] {
   const starts = indices(reply.tube_starts, 'tube_starts');
   const along = indices(reply.tube_nodes, 'tube_nodes');
   const radii = ofLength(floats(reply.tube_radii, 'tube_radii'), Math.max(starts.length - 1, 0), 'tube_radii');
