@@ -1,10 +1,10 @@
 import type { TwinShape } from '../view3d/shape';
 import { placeSkin, pointCount } from '../view3d/skin';
+import { Nearest } from '../view3d/surface/nearest';
 import { rangeOf, type Range } from '../view3d/colour';
 import type { CameraView, Dots } from './camera/camera_view';
 import type { Look } from './look';
 import type { Frame, Motion } from './file/motion';
-import { Nearest } from './nearest';
 import type { Prediction } from './prediction';
 import { COLOURS, coloursOf, type Scene } from './scene';
 

@@ -29,8 +29,19 @@ export class Nearest {
 
   /** Distance from point i of `others` to the nearest one [m]; not a number if either is missing. */
   distance(others: Float32Array, i: number): number {
+    return Math.sqrt(this.#search(others, i)?.square ?? NaN);
+  }
+
+  /** Number of the point nearest to point i of `others`; null if either is missing. */
+  index(others: Float32Array, i: number): number | null {
+    return this.#search(others, i)?.point ?? null;
+  }
+
+  /** The nearest point, and the square of its distance. */
+  #search(others: Float32Array, i: number): { readonly point: number; readonly square: number } | null {
     const [x, y, z] = [others[3 * i]!, others[3 * i + 1]!, others[3 * i + 2]!];
-    if (Number.isNaN(x) || this.points.length === 0) return NaN;
+    if (Number.isNaN(x) || this.points.length === 0) return null;
+    let nearest = 0;
     const cell = this.#cell(others, i);
     let best = Infinity;
     const farthest = Math.max(...cell.map((c, axis) => Math.max(Math.abs(c), Math.abs(this.#counts[axis]! - 1 - c))));
@@ -40,10 +51,11 @@ export class Nearest {
       this.#visit(cell, ring, (point) => {
         const at = (axis: number): number => this.points[3 * point + axis]!;
         const [dx, dy, dz] = [at(0) - x, at(1) - y, at(2) - z];
-        best = Math.min(best, dx * dx + dy * dy + dz * dz);
+        const square = dx * dx + dy * dy + dz * dz;
+        if (square < best) [best, nearest] = [square, point];
       });
     }
-    return Math.sqrt(best);
+    return { point: nearest, square: best };
   }
 
   /** The first ring around a cell that has any cell of the grid. */

@@ -22,6 +22,9 @@ describe('the nearest point', () => {
           best = Math.min(best, Math.hypot(...[0, 1, 2].map((a) => points[3 * m + a]! - others[3 * i + a]!)));
         }
         expect(nearest.distance(others, i)).toBeCloseTo(best, 5);
+        const found = nearest.index(others, i)!;
+        const apart = [0, 1, 2].map((a) => points[3 * found + a]! - others[3 * i + a]!);
+        expect(Math.hypot(...apart)).toBeCloseTo(best, 5);
       }
     }
   });
