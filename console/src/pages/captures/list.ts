@@ -13,7 +13,7 @@ import { MultiSelection } from '../parts/selection';
 import { deleteQuestion } from './dependents';
 import { Fits } from './fits';
 import { STATES, stateBadge, stateOf, whyNoFit } from './state';
-import './list.css';
+import './named.css';
 
 /** Interval at which captures that are being read are refreshed [ms]. */
 const REFRESH_MS = 2000;
