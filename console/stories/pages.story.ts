@@ -73,7 +73,7 @@ describe('the pages of captures, fits and twins', () => {
     await visit.page.getByRole('heading', { level: 1 }).getByText(NAME).waitFor();
     await visit.stop('hostile-capture');
     await visit.go(addresses[2] ?? '');
-    await visit.page.getByRole('alert').waitFor();
+    await visit.page.getByText('This capture cannot be fitted').waitFor();
     await visit.stop('capture-broken');
     await visit.close();
   });
