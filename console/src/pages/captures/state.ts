@@ -47,7 +47,7 @@ export function stateBadge(capture: Capture): Child {
 export function whyNoFit(capture: Capture): string | null {
   switch (stateOf(capture)) {
     case 'unusable':
-      return 'unusable: its page says why';
+      return 'its page says why';
     case 'failed':
       return capture.ingest.state === 'CANCELLED' ? 'its reading was stopped' : 'it could not be read';
     case 'masks':
