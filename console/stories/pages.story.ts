@@ -15,7 +15,7 @@ describe('the pages of captures, fits and twins', () => {
   let addresses: string[] = [];
   beforeAll(async () => {
     const capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), NAME);
-    const settings = { effort: 'draft', search: { generations: 2 }, refine: { passes: 4 } };
+    const settings = { effort: 'draft', search: { generations: 1 }, refine: { passes: 1 } };
     for (const seed of [1, 2]) await call(server, 'POST', '/v1/fits', { capture, settings: { ...settings, seed } });
     const broken = await call<{ name: string }>(
       server,
