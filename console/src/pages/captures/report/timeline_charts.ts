@@ -51,6 +51,8 @@ interface Figure {
 /** Figures over frames below each other, with one axis: a frame that is pointed at is marked in all of them. */
 export class TimelineCharts {
   readonly element = h('div', { class: 'timelines card' });
+  /** The frame that is pointed at. */
+  readonly #at = h('p', { class: 'timeline-at', 'aria-hidden': 'true' });
   #drawn: { readonly plot: uPlot; readonly place: HTMLElement }[] = [];
   readonly #resized = new ResizeObserver(() => this.#resize());
   readonly #scheme = matchMedia('(prefers-color-scheme: dark)');
@@ -78,7 +80,7 @@ export class TimelineCharts {
 
   #draw(): void {
     this.#clear();
-    this.element.replaceChildren();
+    this.element.replaceChildren(this.#at);
     const { bands, timelines } = this.options;
     const ink = inks();
     if (bands.length > 0) this.#drawBands(bands, ink, timelines.length === 0);
@@ -184,7 +186,13 @@ export class TimelineCharts {
               }
             },
           ],
-          setCursor: [(own) => of.tell(own.cursor.idx ?? null)],
+          setCursor: [
+            (own) => {
+              const frame = own.cursor.idx ?? null;
+              of.tell(frame);
+              this.#at.textContent = frame === null ? '' : `frame ${seconds(frame)}`;
+            },
+          ],
         },
       },
       [frames, ...lines.map(({ values }) => frames.map((frame) => values[frame] ?? null))],
