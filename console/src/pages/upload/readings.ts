@@ -1,3 +1,4 @@
+import { Problem } from '../../api/problem';
 import { hasEnded, type Capture } from '../../api/types';
 import type { PageContext } from '../../page';
 import { refresh } from '../../ui/refresh';
@@ -20,6 +21,8 @@ export interface Reading {
  */
 export class Readings extends EventTarget {
   readonly #all = new Map<string, Reading | null>();
+  /** Captures that were deleted meanwhile. */
+  readonly #gone = new Set<string>();
 
   constructor(private readonly context: PageContext) {
     super();
@@ -33,7 +36,9 @@ export class Readings extends EventTarget {
   }
 
   async #ask(): Promise<void> {
-    const open = [...this.#all].filter(([, reading]) => reading === null || !hasEnded(reading.capture.ingest)).map(([name]) => name);
+    const isOpen = (name: string, reading: Reading | null): boolean =>
+      !this.#gone.has(name) && (reading === null || !hasEnded(reading.capture.ingest));
+    const open = [...this.#all].filter(([name, reading]) => isOpen(name, reading)).map(([name]) => name);
     for (const name of open.slice(0, AT_ONCE)) {
       const reading = await this.#read(name);
       // What was asked for just now is asked for again after the others.
@@ -50,8 +55,9 @@ export class Readings extends EventTarget {
       if (!hasEnded(capture.ingest)) return { capture, sentence: '' };
       if (!capture.verdict) return { capture, sentence: capture.ingest.fault?.message ?? '' };
       return { capture, sentence: verdictText(await api.json<Report>(`/v1/${name}/report`, { signal })) };
-    } catch {
-      // It is asked for again; one that was deleted meanwhile stays as it was.
+    } catch (error) {
+      if (error instanceof Problem && error.status === 404) this.#gone.add(name);
+      // Otherwise it is asked for again.
       return this.#all.get(name) ?? null;
     }
   }

@@ -52,18 +52,26 @@ async function takeAll(api: Api, packages: readonly Package[]): Promise<void> {
   // Fetched when it is needed: files can be dropped on any page.
   const { look } = await import('./survey/look');
   for (const source of packages) {
-    const content = source.kind === 'folder' ? 'capture' : await contentOf(source.file);
-    if (source.kind === 'file' && content !== 'capture') {
-      if (content === 'twin') await importTwin(api, source.file);
-      else intake.refuse(refusal(source.file.name, content, await kindOf(source.file)) ?? '');
-      continue;
+    try {
+      await takeOne(api, source, packages.length === 1, look);
+    } catch (error) {
+      // The others are taken all the same.
+      intake.refuse(`${source.kind === 'file' ? source.file.name : source.name}: ${textOf(error)}`);
     }
-    const survey = await look(source);
-    SURVEYS.set(source, survey);
-    const offer = { files: fingerprintOfPackage(source), source, survey, isOnly: packages.length === 1 };
-    if (survey.isComplete || transfersOf(api).wasBegun(source)) send(api, offer);
-    else intake.offer(offer);
   }
+}
+
+async function takeOne(api: Api, source: Package, isOnly: boolean, look: (source: Package) => Promise<Survey>): Promise<void> {
+  const content = source.kind === 'folder' ? 'capture' : await contentOf(source.file);
+  if (source.kind === 'file' && content !== 'capture') {
+    if (content === 'twin') return importTwin(api, source.file);
+    return intake.refuse(refusal(source.file.name, content, await kindOf(source.file)) ?? '');
+  }
+  const survey = await look(source);
+  SURVEYS.set(source, survey);
+  const offer = { files: fingerprintOfPackage(source), source, survey, isOnly };
+  if (survey.isComplete || transfersOf(api).wasBegun(source)) send(api, offer);
+  else intake.offer(offer);
 }
 
 /** Uploads what was offered, with the labels that are given now. */
@@ -82,14 +90,10 @@ function send(api: Api, { source, isOnly }: Pick<Offer, 'source' | 'isOnly'>): v
 /** Imports the file of a twin and goes to it. */
 async function importTwin(api: Api, file: File): Promise<void> {
   const name = nameOf(file.name.replace(/\.safetensors$/i, ''));
-  try {
-    const twin = await api.json<Twin>(`/v1/twins?${new URLSearchParams({ display_name: name })}`, {
-      method: 'POST',
-      headers: { 'content-type': 'application/octet-stream' },
-      body: file,
-    });
-    location.hash = `#/twins/${idOf(twin.name)}`;
-  } catch (error) {
-    intake.refuse(`${file.name}: ${textOf(error)}`);
-  }
+  const twin = await api.json<Twin>(`/v1/twins?${new URLSearchParams({ display_name: name })}`, {
+    method: 'POST',
+    headers: { 'content-type': 'application/octet-stream' },
+    body: file,
+  });
+  location.hash = `#/twins/${idOf(twin.name)}`;
 }
