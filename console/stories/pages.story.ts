@@ -105,6 +105,7 @@ describe('the pages of captures, fits and twins', () => {
     await tabTo(visit, /^Fit /);
     await keyboard.press('Enter');
     await visit.heading('Start a fit');
+    await page.getByRole('button', { name: 'Start the fit' }).waitFor();
     await tabTo(visit, /^Name/);
     await keyboard.type('by keyboard');
     await tabTo(visit, /Standard/);
@@ -141,7 +142,7 @@ describe('the pages of captures, fits and twins', () => {
     const { page } = visit;
     const field = page.getByRole('combobox', { name: 'Capture' });
     await field.fill('onerror');
-    const options = page.getByRole('option');
+    const options = page.getByRole('listbox', { name: 'Capture' }).getByRole('option');
     await expect.poll(() => options.count()).toBe(2);
     await visit.stop('fit-capture-choice');
     // The newer one is broken: it says why, and is not chosen.

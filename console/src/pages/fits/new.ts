@@ -19,14 +19,14 @@ import { WorkerForm } from './worker_form';
  */
 export const open: OpenPage = async (context) => {
   context.setTitle('Start a fit');
-  const like = context.query.get('like');
-  const [{ workers }, model] = await Promise.all([
+  const [like, asked] = [context.query.get('like'), context.query.get('capture')];
+  // One that was deleted leaves the choice open.
+  const [{ workers }, model, given] = await Promise.all([
     context.api.get('/v1/workers', { signal: context.signal }),
     like === null ? null : fitOf(context, like),
+    asked === null ? null : findCapture(context, `captures/${asked}`),
   ]);
-  const asked = context.query.get('capture') ?? (model === null ? null : idOf(model.capture));
-  // One that was deleted leaves the choice open.
-  const capture = asked === null ? null : await findCapture(context, `captures/${asked}`);
+  const capture = asked === null && model !== null ? await findCapture(context, model.capture) : given;
   return { element: new NewFit(context, workers, capture, model).element };
 };
 
