@@ -23,8 +23,8 @@ export function launch(): Promise<Browser> {
   return chromium.launch({ executablePath, args: ARGUMENTS });
 }
 
-/** What Chromium notes of a twin that is too small for a surface: its page asks, and shows it without one. */
-const WITHOUT_SURFACE = /status of 404 .*\/surface\?tensors=base64\)$/;
+/** What Chromium notes of something without a surface or a picture: pages ask, and show it without one. */
+const WITHOUT_SURFACE = /status of 404 .*\/(surface\?tensors=base64|thumbnail(\?width=\d+)?)\)$/;
 
 /** Longest wait for something on a page: a bound, not an expectation, for machines that are busy otherwise [ms]. */
 const DEADLINE_MS = 120_000;

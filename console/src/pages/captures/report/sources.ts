@@ -1,6 +1,6 @@
-import { h } from '../../ui/dom';
-import { counted } from '../../ui/format';
-import { prose } from '../parts/text';
+import { h } from '../../../ui/dom';
+import { counted } from '../../../ui/format';
+import { prose } from '../../parts/text';
 import type { Report } from './report';
 
 type Sources = NonNullable<Report['sources']>;

@@ -14,6 +14,8 @@ export interface Report {
     readonly manipulator_travel_m: number | null;
     readonly fastest_m_s: number | null;
     readonly lowest_m: number | null;
+    /** Smallest distance between hand and object in each frame. */
+    readonly gap_m?: readonly (number | null)[];
   } | null;
   readonly cameras: readonly CameraReport[];
   /** What was taken as what, and what was left out. */
@@ -26,6 +28,9 @@ export interface Report {
   readonly observed?: {
     readonly point_count: number;
     readonly control_count: number;
+    /** In each frame: points that are seen, and those whose motion counts. */
+    readonly visible?: readonly number[];
+    readonly motion_valid?: readonly number[];
     readonly completed_count: number;
     readonly interior_count: number;
   } | null;
@@ -58,10 +63,20 @@ export interface CameraReport {
   readonly missing_frames: readonly number[];
   readonly repeated_frames: readonly number[];
   readonly late_frames: readonly number[];
+  readonly empty_masks?: readonly number[];
+  readonly mask_jumps?: readonly number[];
   readonly damaged_files: number;
+  /** In each frame: pixels of the object, and the share of them that has depth. */
+  readonly object_px?: readonly (number | null)[];
+  readonly coverage?: readonly (number | null)[];
   readonly median_coverage: number | null;
   readonly skew_ms: number | null;
-  readonly tracks?: { readonly count: number; readonly inside: number | null } | null;
+  readonly tracks?: {
+    readonly count: number;
+    readonly inside: number | null;
+    /** In each frame: tracks that are visible, on a mask, with depth. */
+    readonly liftable?: readonly number[];
+  } | null;
   readonly agreement?: { readonly disagreement_mm: number | null } | null;
 }
 

@@ -1,13 +1,13 @@
-import type { Capture } from '../../api/types';
-import type { PageContext } from '../../page';
-import { h, nodes, type Child } from '../../ui/dom';
-import { facts, field } from '../../ui/form';
-import { guideLink } from '../../ui/guide';
-import { problemBox } from '../../ui/problem';
-import { actionButton, faultPlace } from '../parts/actions';
-import { readAgain } from '../parts/ingest';
+import type { Capture } from '../../../api/types';
+import type { PageContext } from '../../../page';
+import { h, nodes, type Child } from '../../../ui/dom';
+import { facts, field } from '../../../ui/form';
+import { guideLink } from '../../../ui/guide';
+import { problemBox } from '../../../ui/problem';
+import { actionButton, faultPlace } from '../../parts/actions';
+import { readAgain } from '../../parts/ingest';
 import { DICTIONARIES, PATTERNS, formOf, readBoard, type Board, type BoardForm } from './board';
-import type { Calibration } from './report';
+import type { Calibration } from '../report/report';
 
 /** Settings of the calibration that an ingest had. */
 interface InUse {

@@ -1,20 +1,24 @@
-import { Problem } from '../../api/problem';
-import type { Capture } from '../../api/types';
-import type { PageContext } from '../../page';
-import { Images } from '../../playback/camera/images';
-import { PlaybackFile } from '../../playback/file/file';
-import { hasSeveralRecordings, type CameraHead } from '../../playback/file/head';
-import { h } from '../../ui/dom';
-import { hasPoints } from '../parts/ingest';
+import { Problem } from '../../../api/problem';
+import type { PageContext } from '../../../page';
+import { Images } from '../../../playback/camera/images';
+import { PlaybackFile } from '../../../playback/file/file';
+import { hasSeveralRecordings, type CameraHead } from '../../../playback/file/head';
+import { h } from '../../../ui/dom';
 
-/** What the first images of a capture's cameras show: at most as many as this. */
+/** Cameras whose first images are shown. */
 const MOST = 12;
 
-/**
- * The first image of each camera, also of a recording that was refused, and the way to its masks unless
- * there are several; empty without images.
- */
-export async function cameraImages(context: PageContext, id: string, capture: Capture): Promise<HTMLElement | null> {
+/** The first images of a recording's cameras. */
+export interface FirstImages {
+  readonly element: HTMLElement;
+  /** True if some camera has masks. */
+  readonly hasMasks: boolean;
+  /** True if it can be marked: it is not several recordings. */
+  readonly canMark: boolean;
+}
+
+/** The first image of each camera, also of a recording that was refused; null without images. */
+export async function firstImages(context: PageContext, id: string): Promise<FirstImages | null> {
   let file: PlaybackFile;
   try {
     file = await PlaybackFile.open(context.api, id, context.signal);
@@ -24,13 +28,9 @@ export async function cameraImages(context: PageContext, id: string, capture: Ca
   }
   const cameras = file.head.sequences[0]?.cameras ?? [];
   if (cameras.length === 0) return null;
-  const hasMasks = cameras.some(({ masks }) => masks) || hasPoints(capture);
-  const link = hasMasks
-    ? h('a', { class: 'button', href: `#/captures/${id}/masks` }, 'Look at the masks')
-    : h('a', { class: 'button primary', href: `#/captures/${id}/masks` }, 'Mark the object and the hand');
-  const way = hasSeveralRecordings(file.head) ? null : h('p', {}, link);
   const figures = cameras.slice(0, MOST).map((camera) => figureOf(context, camera, file));
-  return h('section', {}, h('h2', {}, 'First images'), h('div', { class: 'first-images' }, ...figures), way);
+  const element = h('section', {}, h('h2', {}, 'First images'), h('div', { class: 'first-images' }, ...figures));
+  return { element, hasMasks: cameras.some(({ masks }) => masks), canMark: !hasSeveralRecordings(file.head) };
 }
 
 function figureOf({ signal }: PageContext, camera: CameraHead, file: PlaybackFile): HTMLElement {

@@ -1,19 +1,37 @@
-import { h } from '../../ui/dom';
-import { facts } from '../../ui/form';
-import { count, counted, duration, millimetres, percent } from '../../ui/format';
-import { table } from '../../ui/table';
+import { tookS, type Capture } from '../../../api/types';
+import { h, type Child } from '../../../ui/dom';
+import { facts } from '../../../ui/form';
+import { count, counted, duration, millimetres, percent, size, time } from '../../../ui/format';
+import { table } from '../../../ui/table';
+import { settingsView } from '../../parts/settings_view';
 import type { CameraReport, Report } from './report';
 
-/** Measurements of the recording in the report, as facts. */
-export function factsView({
-  fps,
-  frame_count,
-  train_frame_count,
-  kind,
-  scene,
-  observed,
-  cameras,
-}: Report): HTMLElement {
+/** What is known about a capture as numbers, folded away. `report` is null before it is there. */
+export function factsCard(capture: Capture, report: Report | null): HTMLElement {
+  const { create_time, size_bytes, digest, ingest } = capture;
+  const took = tookS(ingest);
+  const own: [string, Child][] = [
+    ['Uploaded', time(create_time)],
+    ['Size', size(size_bytes)],
+    ['Read', took === null ? '–' : ['in ', duration(took), ', ', time(ingest.end_time)]],
+    ['BLAKE3', h('code', {}, digest.slice(0, 16), '…')],
+  ];
+  return h(
+    'div',
+    {},
+    h(
+      'details',
+      { class: 'card' },
+      h('summary', {}, 'Facts'),
+      facts([...(report === null ? [] : measured(report)), ...own]),
+      report === null ? null : camerasView(report.cameras),
+    ),
+    settingsView('Settings of the ingest', ingest.settings),
+  );
+}
+
+/** Measurements of the recording in the report. */
+function measured({ fps, frame_count, train_frame_count, kind, scene, observed, cameras }: Report): [string, string][] {
   const pairs: [string, string][] = [
     ['Length', fps > 0 ? `${counted(frame_count, 'frame')}, ${duration(frame_count / fps)} at ${fps} per second` : 'unknown'],
     ['For fitting', train_frame_count > 0 ? `frames 0 to ${train_frame_count - 1}` : 'none'],
@@ -34,18 +52,18 @@ export function factsView({
     );
     if (scene.fastest_m_s !== null) pairs.push(['Fastest', `${scene.fastest_m_s.toFixed(2)} m/s`]);
   }
-  return facts(pairs);
+  return pairs;
 }
 
-/** Findings about each camera. */
-export function camerasView(cameras: readonly CameraReport[]): HTMLElement | null {
+/** Findings about each camera; null without any. */
+function camerasView(cameras: readonly CameraReport[]): HTMLElement | null {
   if (cameras.length === 0) return null;
   const optional = (value: number | null | undefined, text: (value: number) => string): string =>
     value === null || value === undefined ? '–' : text(value);
   return h(
     'section',
     {},
-    h('h2', {}, 'Cameras'),
+    h('h3', {}, 'Cameras'),
     table<CameraReport>({
       caption: 'Cameras',
       hidesCaption: true,

@@ -1,10 +1,10 @@
-import type { Capture } from '../../api/types';
-import type { PageContext } from '../../page';
-import { h } from '../../ui/dom';
-import { field } from '../../ui/form';
-import { problemBox } from '../../ui/problem';
-import { changed, keptSettings } from '../parts/ingest';
-import { readSettings } from '../parts/settings';
+import type { Capture } from '../../../api/types';
+import type { PageContext } from '../../../page';
+import { h } from '../../../ui/dom';
+import { field } from '../../../ui/form';
+import { problemBox } from '../../../ui/problem';
+import { changed, keptSettings } from '../../parts/ingest';
+import { readSettings } from '../../parts/settings';
 
 /** A form that has a capture read again, with other settings. */
 export function ingestAgain(

@@ -1,14 +1,14 @@
-import type { Capture, Supplement } from '../../api/types';
-import type { PageContext } from '../../page';
-import { confirm } from '../../ui/dialog';
-import { h } from '../../ui/dom';
-import { field } from '../../ui/form';
-import { size, time } from '../../ui/format';
-import { guideLink } from '../../ui/guide';
-import { problemBox } from '../../ui/problem';
-import { actionButton, download, faultPlace } from '../parts/actions';
-import { readAgain } from '../parts/ingest';
-import type { Settings } from '../parts/settings';
+import type { Capture, Supplement } from '../../../api/types';
+import type { PageContext } from '../../../page';
+import { confirm } from '../../../ui/dialog';
+import { h } from '../../../ui/dom';
+import { field } from '../../../ui/form';
+import { size, time } from '../../../ui/format';
+import { guideLink } from '../../../ui/guide';
+import { problemBox } from '../../../ui/problem';
+import { actionButton, download, faultPlace } from '../../parts/actions';
+import { readAgain } from '../../parts/ingest';
+import type { Settings } from '../../parts/settings';
 
 /** Kinds of files that can be added to a capture. */
 const KINDS = [
