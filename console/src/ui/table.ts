@@ -43,9 +43,8 @@ export function table<Row>(options: TableOptions<Row>): HTMLElement {
     ),
   );
   const hidden = options.hidesCaption === true ? 'visually-hidden' : null;
-  return h(
-    'div',
-    { class: 'table-frame', role: 'region', 'aria-label': caption, tabindex: '0' },
+  return framed(
+    caption,
     h(
       'table',
       {},
@@ -54,6 +53,21 @@ export function table<Row>(options: TableOptions<Row>): HTMLElement {
       h('tbody', {}, ...body),
     ),
   );
+}
+
+/** A table in a frame, which scrolls, and can be reached by keys to do so, only while it is too narrow for the table. */
+function framed(caption: string, content: HTMLTableElement): HTMLElement {
+  const frame = h('div', { class: 'table-frame', role: 'region', 'aria-label': caption, tabindex: '0' }, content);
+  const measure = (): void => {
+    const fits = content.offsetWidth <= frame.clientWidth;
+    frame.classList.toggle('fits', fits);
+    if (fits) frame.removeAttribute('tabindex');
+    else frame.tabIndex = 0;
+  };
+  const resized = new ResizeObserver(measure);
+  resized.observe(frame);
+  resized.observe(content);
+  return frame;
 }
 
 function header<Row>(column: Column<Row>, { order, onOrder }: TableOptions<Row>): HTMLElement {

@@ -8,6 +8,7 @@ import type { Numbers } from './numbers';
 import { newest } from './newest';
 import { nextSteps } from './next_steps';
 import { tiles } from './tiles';
+import './home.css';
 
 const EVERY_MS = 4000;
 
