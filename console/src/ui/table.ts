@@ -9,6 +9,8 @@ export interface Order {
 
 export interface Column<Row> {
   readonly header: string;
+  /** Header over this column and the ones beside it that have the same. */
+  readonly group?: string;
   readonly cell: (row: Row) => Child;
   /** Word by which rows can be sorted, as `create_time` of the API's `order_by`. */
   readonly orderBy?: string;
@@ -49,7 +51,7 @@ export function table<Row>(options: TableOptions<Row>): HTMLElement {
       'table',
       {},
       h('caption', { class: hidden }, caption),
-      h('thead', {}, h('tr', {}, ...columns.map((column) => header(column, options)))),
+      h('thead', {}, groupRow(columns), h('tr', {}, ...columns.map((column) => header(column, options)))),
       h('tbody', {}, ...body),
     ),
   );
@@ -68,6 +70,24 @@ function framed(caption: string, content: HTMLTableElement): HTMLElement {
   resized.observe(frame);
   resized.observe(content);
   return frame;
+}
+
+/** The row of headers over several columns, if there are any. */
+function groupRow<Row>(columns: readonly Column<Row>[]): HTMLElement | null {
+  if (columns.every(({ group }) => group === undefined)) return null;
+  const cells: { text: string; span: number }[] = [];
+  for (const { group: text = '' } of columns) {
+    const last = cells.at(-1);
+    if (last !== undefined && last.text === text) last.span += 1;
+    else cells.push({ text, span: 1 });
+  }
+  return h(
+    'tr',
+    { class: 'groups' },
+    ...cells.map(({ text, span }) =>
+      text === '' ? h('td', { colspan: span }) : h('th', { scope: 'colgroup', colspan: span }, text),
+    ),
+  );
 }
 
 function header<Row>(column: Column<Row>, { order, onOrder }: TableOptions<Row>): HTMLElement {

@@ -1,16 +1,15 @@
 import { idOf } from '../../api/routes';
 import type { Twin } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
-import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { empty } from '../../ui/empty';
 import { count, millimetres, time } from '../../ui/format';
 import { captureLink } from '../parts/capture';
 import { comparedIds, compareTable, differingSettings, distinctNames, type Line } from '../parts/compare';
 import { isolated } from '../parts/text';
-import { assessmentTone } from './assessment';
+import { levelBadge } from './level';
 import { readTwinFile } from './file';
-import { comparedText, errorOf, measuresOf, rowsOf, type Errors, type Quality } from './quality';
+import { comparedText, headlineOf, measuresOf, rowsOf, type Errors, type Quality } from './quality';
 
 /** Twins beside each other: errors, sizes, settings that differ, and the differences in words. */
 export const open: OpenPage = async (context) => {
@@ -44,7 +43,7 @@ function sentences(twins: readonly Twin[], names: readonly string[]): string[] {
         `${a} and ${b} were measured on different captures: their errors are not comparable. Evaluate both on one capture.`,
       ];
     }
-    const error = comparedText(a, b, errorOf(first.quality as Quality), errorOf(other.quality as Quality));
+    const error = comparedText(a, b, headlineOf(first.quality as Quality)?.error_m ?? null, headlineOf(other.quality as Quality)?.error_m ?? null);
     const nodes =
       first.node_count === other.node_count
         ? 'They have equally many nodes.'
@@ -64,7 +63,7 @@ function factLines(context: PageContext, twins: readonly Twin[]): Line[] {
     line('Capture', ({ capture }) => (capture ? captureLink(context, capture) : 'imported')),
     line('Trust', ({ quality }) => {
       const level = (quality as Quality).assessment?.level;
-      return level === undefined ? '–' : badge(level, assessmentTone(level));
+      return levelBadge(level);
     }),
     line('Created', ({ create_time }) => time(create_time)),
     line('Nodes', ({ node_count }) => count(node_count)),

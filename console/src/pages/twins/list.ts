@@ -1,7 +1,6 @@
 import { idOf } from '../../api/routes';
 import type { Twin } from '../../api/types';
 import type { OpenPage } from '../../page';
-import { badge } from '../../ui/badge';
 import { h, type Child } from '../../ui/dom';
 import { empty } from '../../ui/empty';
 import { count, millimetres, name, time } from '../../ui/format';
@@ -10,7 +9,7 @@ import { Selection } from '../parts/compare';
 import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
 import { take } from '../upload/take';
-import { assessmentTone } from './assessment';
+import { levelBadge } from './level';
 import type { Quality } from './quality';
 
 /** The list of twins. */
@@ -62,7 +61,7 @@ export const open: OpenPage = (context) => {
 
 function trustOf({ quality }: Twin): Child {
   const level = (quality as Quality).assessment?.level;
-  return level === undefined ? '–' : badge(level, assessmentTone(level));
+  return levelBadge(level);
 }
 
 function linksOf(twin: Twin): Child {
