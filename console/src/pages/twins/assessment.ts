@@ -1,6 +1,6 @@
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { count, millimetres } from '../../ui/format';
+import { capitalised, count, millimetres } from '../../ui/format';
 import { table } from '../../ui/table';
 import { prose } from '../parts/text';
 import {
@@ -61,7 +61,7 @@ export function qualityView(quality: Quality): HTMLElement {
 function errorTable(caption: string, header: string, rows: readonly Row[]): HTMLElement {
   const columns = SPANS.flatMap(([part, group]) =>
     measuresOf(rows).map(([measure, word]) => ({
-      header: word,
+      header: capitalised(word),
       group,
       isNumeric: true,
       cell: (row: Row) => millimetres((row[part] as Errors)[measure]),

@@ -1,6 +1,7 @@
 import { expect, test } from 'vitest';
 
 import {
+  bestText,
   choiceText,
   comparedText,
   headlineOf,
@@ -108,4 +109,12 @@ test('differences are put into words', () => {
   );
   expect(choiceText({ choice: { ...choice, held_back_frames: 6 } })).toContain('6 held-back frames');
   expect(choiceText({})).toBeNull();
+});
+
+test('the best of several errors is named, with those that are not worse than by chance', () => {
+  expect(bestText(['a', 'b', 'c'], [0.002, 0.001, 0.0011])).toBe(
+    'b has the lowest error on frames that were not fitted, 1 mm; that of c is no different beyond seeds.',
+  );
+  expect(bestText(['a', 'b', 'c'], [0.002, 0.001, 0.003])).toMatch(/^b has the lowest error .* 1 mm\.$/);
+  expect(bestText(['a', 'b'], [0.002, null])).toBeNull();
 });

@@ -230,6 +230,18 @@ export function comparedText(first: string, second: string, a: number | null, b:
   return `${better} is better than ${worse} by a factor of ${factor} on frames that were not fitted: ${errors}.`;
 }
 
+/** The best of several errors in a sentence, with those that differ from it by chance alone; null if one is missing. */
+export function bestText(names: readonly string[], errors: readonly (number | null)[]): string | null {
+  const known = errors.filter(isNumber);
+  if (known.length < errors.length || known.length === 0) return null;
+  const least = Math.min(...known);
+  const best = names[known.indexOf(least)] ?? '';
+  const alike = names.filter((name, index) => name !== best && known[index]! <= (1 + SEEDS_DIFFER) * least);
+  const text = `${best} has the lowest error on frames that were not fitted, ${millimetres(least)}`;
+  if (alike.length === 0) return `${text}.`;
+  return `${text}; that of ${new Intl.ListFormat('en-GB').format(alike)} is no different beyond seeds.`;
+}
+
 function isNumber(value: number | null | undefined): value is number {
   return typeof value === 'number';
 }

@@ -1,7 +1,7 @@
 import { PlaybackFile } from '../../playback/file/file';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
-import { counted, duration, millimetres, percent } from '../../ui/format';
+import { capitalised, counted, duration, millimetres, percent } from '../../ui/format';
 import { table } from '../../ui/table';
 import { measuresOf, type Recording } from './quality';
 
@@ -20,7 +20,7 @@ export function recordingsView(recordings: readonly Recording[]): HTMLElement | 
         { header: 'Recording', cell: ({ name }) => h('bdi', {}, name) },
         ...(['future', 'train'] as const).flatMap((part) =>
           measures.map(([measure, word]) => ({
-            header: word,
+            header: capitalised(word),
             group: part === 'future' ? 'Later frames' : 'Fitted frames',
             isNumeric: true,
             cell: (own: Recording) => millimetres(own[part][measure]),
