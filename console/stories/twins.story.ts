@@ -6,7 +6,7 @@ import { Visit } from './kit/visit';
 /** Twins of the list, and those of one page. */
 const ALL = 1000;
 const PAGE = 100;
-/** Most time of the page's thread until the first rows are drawn [ms], whatever else the machine does. */
+/** Most time of the page's thread until the first rows are drawn [ms]; other programs do not count. */
 const MOST_MS = 1000;
 /** Most time of the page's thread for a picture while the list is scrolled [ms], for 30 pictures a second. */
 const MOST_PICTURE_MS = 33;

@@ -15,7 +15,7 @@ const TONES: Record<string, Parameters<typeof badge>[1]> = {
 /** Levels of trust, the best first. */
 export const LEVELS = ['good', 'fair', 'poor', 'unknown'] as const;
 
-/** A level of trust; nothing if there is none. */
+/** A level of trust as a badge; a dash where a twin has none. */
 export function levelBadge(level: string | null | undefined): HTMLElement | string {
   return level ? badge(level, TONES[level] ?? 'neutral') : '–';
 }

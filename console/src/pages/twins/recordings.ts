@@ -51,7 +51,7 @@ interface Played {
   readonly href: string;
 }
 
-/** All sequences that a twin's capture has, each with its playback; hidden for a single one, or if there is none. */
+/** All sequences that a twin's capture has, each with its playback; hidden for a single one, and for captures without a playback. */
 export function sequencesView({ api, signal }: PageContext, capture: string, twin: string): HTMLElement {
   const element = h('section', { hidden: true }, h('h2', {}, 'Recordings'));
   const load = async (): Promise<void> => {

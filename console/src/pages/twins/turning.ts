@@ -40,7 +40,7 @@ export class Turning {
 
   #turn(now: number): boolean {
     if (!this.#turns) return false;
-    // After a rest it goes on where it was.
+    // After a rest it continues where it was.
     const seconds = Math.min(Math.max(now - this.#last, 0) / 1000, 0.1);
     this.#last = now;
     this.#stage.controls.update(seconds);
