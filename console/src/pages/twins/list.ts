@@ -32,7 +32,7 @@ export const open: OpenPage = (context) => {
     noun: 'twin',
     question: (rows) => ({
       title: rows.length > 1 ? `Delete ${rows.length} twins?` : 'Delete this twin?',
-      text: 'They go to the trash, if this server has one. Captures and fits are kept.',
+      text: `${rows.length > 1 ? 'They go' : 'It goes'} to the trash, if this server has one. Captures and fits are kept.`,
     }),
     onChange: () => void twins.reload(),
     actions: compareLink,

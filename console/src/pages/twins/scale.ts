@@ -8,6 +8,8 @@ export interface Scale {
 
 /** Which neighbour of a node is as far as the spacing. */
 const NEIGHBOUR = 6;
+/** Most nodes whose neighbours are searched; of more, some are taken evenly. */
+const MOST = 2000;
 
 /** Lengths of nodes at rest [m], shape [N, 3], and of the nodes of each rod. */
 export function scaleOf(rest: Float32Array, rods: readonly Uint32Array[]): Scale {
@@ -33,13 +35,21 @@ function nodeSpacing(rest: Float32Array): number {
   const count = rest.length / 3;
   if (count < 2) return 0;
   const neighbour = Math.min(NEIGHBOUR, count - 1);
-  return mean(
-    Array.from({ length: count }, (_, node) => {
-      // The node itself is the first.
-      const all = Float32Array.from({ length: count }, (_, other) => distance(rest, node, other));
-      return all.sort()[neighbour]!;
-    }),
-  );
+  const step = Math.ceil(count / MOST);
+  return mean(Array.from({ length: Math.ceil(count / step) }, (_, index) => neighbourDistance(rest, index * step, neighbour)));
+}
+
+/** Distance of a node to its nth neighbour [m]. */
+function neighbourDistance(rest: Float32Array, node: number, nth: number): number {
+  const nearest = new Float64Array(nth).fill(Infinity);
+  for (let other = 0; other < rest.length / 3; other += 1) {
+    const far = other === node ? Infinity : distance(rest, node, other);
+    if (far >= nearest[nth - 1]!) continue;
+    let place = nth - 1;
+    for (; place > 0 && nearest[place - 1]! > far; place -= 1) nearest[place] = nearest[place - 1]!;
+    nearest[place] = far;
+  }
+  return nearest[nth - 1]!;
 }
 
 function distance(rest: Float32Array, i: number, j: number): number {

@@ -7,11 +7,11 @@ import type { Quality } from './quality';
 import type { Scale } from './scale';
 import { decisive, reasonsOf, type Reason } from './verdict';
 
-/** Why a twin is good, fair or poor: each number that its error is compared with, what it means, and what to do. */
+/** Why a twin is good, fair or poor: each number that its error is compared with, what it means, and what to do. Without a verdict, warnings alone. */
 export function whyView(quality: Quality, scale: Scale | null): HTMLElement | null {
   const { assessment, warnings = [] } = quality;
+  if (assessment === undefined) return warningList(warnings);
   const reasons = reasonsOf(quality, scale);
-  if (assessment === undefined) return null;
   const due = decisive(reasons, assessment.level);
   return h(
     'section',
