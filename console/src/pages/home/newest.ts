@@ -7,9 +7,9 @@ import type { Column } from '../../ui/table';
 import type { Fit, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
 import { thumbnail } from '../../ui/thumbnail';
-import { levelBadge } from '../twins/level';
+import { levelBadge } from '../twins/verdict/level';
 import type { Quality } from '../twins/quality';
-import { errorText } from '../twins/verdict';
+import { errorText } from '../twins/verdict/reasons';
 import type { Numbers } from './numbers';
 
 /** The newest captures, fits and twins. Lists without rows are left out. */

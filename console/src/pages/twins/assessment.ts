@@ -15,7 +15,7 @@ import {
   type RenderedRow,
   type Row,
 } from './quality';
-import { verdictLine, warningList } from './level';
+import { verdictLine, warningList } from './verdict/level';
 import { recordingsView } from './recordings';
 
 /** The two spans of frames, with their words: those that matter first. */

@@ -8,7 +8,7 @@ import { captureLink } from '../parts/capture';
 import { comparedIds, compareTable, differingSettings, distinctNames, numberLine, type Line } from '../parts/compare';
 import { isolated } from '../parts/text';
 import { thumbnail } from '../../ui/thumbnail';
-import { levelBadge } from './level';
+import { levelBadge } from './verdict/level';
 import { readTwinFile } from './file';
 import { bestText, comparedText, headlineOf, measuresOf, rowsOf, type Errors, type Quality } from './quality';
 

@@ -15,14 +15,14 @@ import { qualityView } from './assessment';
 import { evaluationView } from './evaluate';
 import { exportMenu } from './exports';
 import { identifiabilityView } from './identifiability';
-import { verdictLine } from './level';
+import { verdictLine } from './verdict/level';
 import { parametersView } from './parameters';
 import { pythonButton } from './python';
 import type { Quality } from './quality';
 import { sequencesView } from './recordings';
-import { scaleOf, type Scale } from './scale';
+import { scaleOf, type Scale } from './verdict/scale';
 import type { Turning } from './turning';
-import { whyView } from './why';
+import { whyView } from './verdict/why';
 import './detail.css';
 
 /** The page of a twin: what it looks like, what it is worth and why, and what can be done with it. */

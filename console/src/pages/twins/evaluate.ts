@@ -7,9 +7,9 @@ import { moment } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { assessmentView, qualityView } from './assessment';
 import type { Quality } from './quality';
-import type { Scale } from './scale';
-import { reasonsOf } from './verdict';
-import { reasonTable } from './why';
+import type { Scale } from './verdict/scale';
+import { reasonsOf } from './verdict/reasons';
+import { reasonTable } from './verdict/why';
 
 /** Captures to choose from. */
 const CHOICES = 200;

@@ -11,9 +11,9 @@ import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
 import { MultiSelection, type Selectable } from '../parts/selection';
 import { take } from '../upload/take';
-import { LEVELS, levelBadge } from './level';
+import { LEVELS, levelBadge } from './verdict/level';
 import type { Quality } from './quality';
-import { errorText } from './verdict';
+import { errorText } from './verdict/reasons';
 
 /** Twins of a page of the list. */
 const PAGE_SIZE = 100;

@@ -1,11 +1,11 @@
-import { h } from '../../ui/dom';
-import { millimetres } from '../../ui/format';
-import { table } from '../../ui/table';
-import { prose } from '../parts/text';
+import { h } from '../../../ui/dom';
+import { millimetres } from '../../../ui/format';
+import { table } from '../../../ui/table';
+import { prose } from '../../parts/text';
 import { levelBadge, warningList } from './level';
-import type { Quality } from './quality';
+import type { Quality } from '../quality';
 import type { Scale } from './scale';
-import { decisive, reasonsOf, type Reason } from './verdict';
+import { decisive, reasonsOf, type Reason } from './reasons';
 
 /** Why a twin is good, fair or poor: each number that its error is compared with, what it means, and what to do. Without a verdict, warnings alone. */
 export function whyView(quality: Quality, scale: Scale | null): HTMLElement | null {

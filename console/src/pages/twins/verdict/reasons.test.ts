@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 
-import type { Errors, Quality } from './quality';
-import { decisive, errorText, firstSentence, reasonsOf, timesText } from './verdict';
+import type { Errors, Quality } from '../quality';
+import { decisive, errorText, firstSentence, reasonsOf, timesText } from './reasons';
 
 const NONE: Errors = { chamfer_l1_m: null, chamfer_l2_m: null, track_m: null, coordinate_m: null };
 

@@ -1,5 +1,5 @@
-import { millimetres } from '../../ui/format';
-import { headlineOf, type Measure, type Quality } from './quality';
+import { millimetres } from '../../../ui/format';
+import { headlineOf, type Measure, type Quality } from '../quality';
 import type { Scale } from './scale';
 
 export type Level = 'good' | 'fair' | 'poor';

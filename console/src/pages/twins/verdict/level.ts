@@ -1,9 +1,9 @@
-import { badge } from '../../ui/badge';
-import { h } from '../../ui/dom';
-import { millimetres } from '../../ui/format';
-import { prose } from '../parts/text';
-import { headlineOf, type Quality } from './quality';
-import { firstSentence } from './verdict';
+import { badge } from '../../../ui/badge';
+import { h } from '../../../ui/dom';
+import { millimetres } from '../../../ui/format';
+import { prose } from '../../parts/text';
+import { headlineOf, type Quality } from '../quality';
+import { firstSentence } from './reasons';
 
 const TONES: Record<string, Parameters<typeof badge>[1]> = {
   good: 'good',
