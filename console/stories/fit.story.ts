@@ -128,6 +128,7 @@ describe('fits and twins', () => {
     await visit.heading('Compare twins');
     await page.getByText(/two starts \(\d\)\u2069 is better|No difference between/).waitFor();
     await page.getByRole('rowheader', { name: 'effort' }).waitFor();
+    expect(await page.locator('.best').count()).toBeGreaterThan(0);
     await visit.stop('twins-compared');
     await visit.go('/fits');
     for (const index of [0, 1])

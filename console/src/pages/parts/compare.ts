@@ -72,7 +72,7 @@ export function compareTable(caption: string, names: readonly string[], lines: r
     caption,
     rows: lines,
     columns: [
-      { header: '', cell: ({ text }) => text },
+      { header: 'Property', cell: ({ text }) => text },
       ...names.map((header, index) => ({ header, cell: ({ cells }: Line) => cells[index] ?? '' })),
     ],
   });
