@@ -60,7 +60,7 @@ describe('the frame of all pages', () => {
     const asked = visit.page.waitForRequest(/\/assets\/page-.*\.js/);
     await visit.page.route(/\/assets\/page-/, async (route) => {
       await held;
-      await route.continue();
+      await route.fallback();
     });
     await visit.go('/upload');
     const late = (await asked).url();

@@ -19,12 +19,14 @@ export function actionButton(
 ): HTMLButtonElement {
   const run = async (): Promise<void> => {
     button.disabled = true;
+    button.setAttribute('aria-busy', 'true');
     faults.replaceChildren();
     try {
       await act();
     } catch (error) {
       if (!context.signal.aborted) faults.replaceChildren(problemBox(error));
     }
+    button.removeAttribute('aria-busy');
     button.disabled = false;
   };
   const button = h('button', { type: 'button', class: className, onclick: () => void run() }, text);
