@@ -78,7 +78,8 @@ function thinned(points: Float32Array, count: number): Float32Array {
 export function near(points: Float32Array, others: Float32Array): Float32Array {
   const bounds = [0, 1, 2].map((axis) => {
     const values = others.filter((x, i) => i % 3 === axis && Number.isFinite(x));
-    return { low: values.reduce((a, b) => Math.min(a, b), Infinity), high: values.reduce((a, b) => Math.max(a, b), -Infinity) };
+    const low = values.reduce((least, x) => Math.min(least, x), Infinity);
+    return { low, high: values.reduce((most, x) => Math.max(most, x), -Infinity) };
   });
   const margin = FAR * Math.max(...bounds.map(({ low, high }) => high - low));
   const some = thinned(points, POINTS / 4);

@@ -46,7 +46,8 @@ export function framing(points: Float32Array, { degrees, aspect }: Lens): Framin
   const middle = (most(depths) - most(depths.map((c) => -c))) / 2;
   // Not within a single point.
   const z = Math.max(x.least, y.least, middle + 0.05);
-  const place = (depth: number): Vector => [0, 1, 2].map((i) => x.at * right[i]! + y.at * up[i]! + depth * toward[i]!) as unknown as Vector;
+  const along = (depth: number, i: 0 | 1 | 2): number => x.at * right[i] + y.at * up[i] + depth * toward[i];
+  const place = (depth: number): Vector => [along(depth, 0), along(depth, 1), along(depth, 2)];
   return { position: place(z), target: place(middle) };
 }
 

@@ -27,7 +27,8 @@ export interface Place {
   readonly error: number;
 }
 
-const CURVES = [
+/** The errors that are drawn. */
+export const CURVES = [
   {
     of: 'track',
     score: 'track_m',

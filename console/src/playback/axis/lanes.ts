@@ -59,7 +59,9 @@ export function frameAt(x: number, { frameCount }: Span, width: number): number 
 
 /** Largest number of the axis of a lane. */
 export function mostOf({ lines, levels }: Lane): number {
-  const largest = (values: readonly (number | null)[]): number => values.reduce<number>((most, x) => Math.max(most, x ?? 0), 0);
+  const largest = (values: readonly (number | null)[]): number => {
+    return values.reduce<number>((most, x) => Math.max(most, x ?? 0), 0);
+  };
   const ofLines = largest(lines.flatMap(({ values }) => values));
   const ofLevels = levels.flatMap(({ train, future }) => [train, future]).filter((x) => (x ?? 0) <= WITHIN * ofLines);
   return Math.max(ofLines, largest(ofLevels), 1e-9);
@@ -110,12 +112,13 @@ function drawSpan(pen: Pen, span: Span, bottom: number): void {
   context.textAlign = 'left';
   if (boundary - LEFT > 60) context.fillText('for fitting', LEFT + 5, 4);
   if (right - boundary > 45) context.fillText('future', boundary + 5, 4);
-  if (boundary > LEFT && boundary < right) stroke(context, colour('--border-strong'), [3, 3], [[boundary, 0], [boundary, bottom]]);
+  if (boundary <= LEFT || boundary >= right) return;
+  stroke(context, colour('--border-strong'), [3, 3], [[boundary, 0], [boundary, bottom]]);
 }
 
 function drawLane(pen: Pen, lane: Lane, top: number, span: Span): void {
   const { context, colour, x, right } = pen;
-  const { height, unit, scale, lines, levels, marks } = lane;
+  const { height, unit, scale, lines, marks } = lane;
   const most = mostOf(lane);
   const floor = top + height - 4;
   const y = (value: number): number => floor - (value / most) * (height - HEAD - 4);
@@ -150,8 +153,6 @@ function drawLane(pen: Pen, lane: Lane, top: number, span: Span): void {
     context.lineWidth = 1.75;
     context.stroke();
   }
-  if (levels.length === 0 && lines.length === 0) return;
-  context.lineWidth = 1;
 }
 
 /** Dashed lines; those that are above the axis are named at its upper edge. */

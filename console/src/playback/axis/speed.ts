@@ -13,7 +13,11 @@ const MOST_HANDS = 3;
  * Speeds of hands: how far the mean of a hand's control points moves from the frame before to the frame
  * after, over the time between them. `controls` [m] have shape [T, C, 3].
  */
-export function handSpeeds(controls: Float32Array, { control_count: count, control_hands: hands = [] }: MotionHead, fps: number): HandSpeed[] {
+export function handSpeeds(
+  controls: Float32Array,
+  { control_count: count, control_hands: hands = [] }: MotionHead,
+  fps: number,
+): HandSpeed[] {
   const frames = count === 0 ? 0 : controls.length / (3 * count);
   const known = hands.length === count ? hands : new Array<number>(count).fill(0);
   const all = [...new Set(known)].sort((a, b) => a - b).slice(0, MOST_HANDS);

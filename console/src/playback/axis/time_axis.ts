@@ -23,7 +23,7 @@ const HAND_SERIES = ['--series-5', '--series-4', '--series-3'] as const;
 export class TimeAxis {
   readonly element: HTMLElement;
   readonly #canvas = h('canvas', { class: 'axis-canvas', 'aria-hidden': 'true' });
-  /** Below the drawing, which is painted over it, for keys and for those who do not see it. */
+  /** For keys, and for those who do not see the drawing: it lies unseen over that. */
   readonly #slider: HTMLInputElement;
   readonly #cursor = h('div', { class: 'axis-cursor' });
   readonly #pointed = h('div', { class: 'axis-pointed', hidden: true });
@@ -60,7 +60,6 @@ export class TimeAxis {
     this.#span = { ...this.#span, trainFrameCount };
     this.#legend.set(errors, this.#speeds, HAND_SERIES);
     this.#draw();
-    this.show('');
   }
 
   /** Shows the speeds of hands from now on. */
@@ -74,7 +73,7 @@ export class TimeAxis {
   show(text: string): void {
     const { frame } = this.clock;
     this.#slider.value = String(frame);
-    if (text !== '') this.#slider.setAttribute('aria-valuetext', text);
+    this.#slider.setAttribute('aria-valuetext', text);
     this.#cursor.style.transform = `translateX(${this.#x(frame)}px)`;
     this.#legend.show(frame, frame < this.#span.trainFrameCount);
   }

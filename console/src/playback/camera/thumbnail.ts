@@ -15,7 +15,8 @@ export class Thumbnail {
     const key = index < 9 ? `, key ${index + 1}` : '';
     const label = `Camera ${name || index}`;
     this.element = h('button', {
-      type: 'button', class: 'playback-thumbnail', 'aria-pressed': 'false', title: label + key, 'aria-label': label, onclick: chosen,
+      type: 'button', class: 'playback-thumbnail', 'aria-pressed': 'false', onclick: chosen,
+      title: label + key, 'aria-label': label,
     }, this.#canvas, h('span', {}, name || String(index)));
   }
 
@@ -36,8 +37,9 @@ export class Thumbnail {
     images.load(frame).catch(() => undefined).finally(() => {
       this.#isLoading = false;
       const here = images.at(this.#frame);
-      if (image === undefined && here !== undefined) this.#paint(here);
-      else if (here === undefined && this.#frame !== frame) this.draw(this.#frame);
+      const isLater = this.#frame !== frame;
+      if (here === undefined && isLater) this.draw(this.#frame);
+      else if (here !== undefined && (image === undefined || isLater)) this.#paint(here);
     });
   }
 
