@@ -3,9 +3,10 @@
 //   node scripts/measure.mjs picture [NODES POINTS]         time of a picture of so many moving nodes and skin points
 //   node scripts/measure.mjs surface [TRIANGLES NODES]      the same of a surface
 //   node scripts/measure.mjs splats [N NODES]               the same of splats, which get fewer where pictures are slow
+//   node scripts/measure.mjs playback URL CAPTURE           time of a picture of a playback, with the best twin
 //   node scripts/measure.mjs play URL TWIN [SECONDS]        time from an input to the picture that has it, and memory
 //
-// The server of `play` is one that runs, for example `bendtwin server --client-token none`; for one with a
+// The server of `play` and `playback` is one that runs, for example `bendtwin server --client-token none`; for one with a
 // token BENDTWIN_TOKEN has it.
 
 import { fileURLToPath } from 'node:url';
@@ -24,9 +25,10 @@ try {
   if (what === 'picture') await picture(Number(rest[0] ?? 10_000), Number(rest[1] ?? 5_000));
   else if (what === 'surface') await picture(Number(rest[1] ?? 1_000), 0, { triangles: Number(rest[0] ?? 8_000) });
   else if (what === 'splats') await picture(Number(rest[1] ?? 1_000), 0, { splats: Number(rest[0] ?? 20_000) });
+  else if (what === 'playback' && rest[0] !== undefined && rest[1] !== undefined) await playback(rest[0], rest[1]);
   else if (what === 'play' && rest[0] !== undefined && rest[1] !== undefined) {
     await play(rest[0], rest[1], Number(rest[2] ?? 20));
-  } else throw new Error('say `picture`, `surface`, `splats` or `play URL TWIN`');
+  } else throw new Error('say `picture`, `surface`, `splats`, `playback URL CAPTURE` or `play URL TWIN`');
 } finally {
   await browser.close();
 }
@@ -53,6 +55,45 @@ async function picture(nodes, points, { splats = 0, triangles = 0 } = {}) {
   console.log(`between pictures: ${quantiles(apart)}, ${(1000 / mean(apart)).toFixed(1)} a second`);
   const each = [...after].map(([type, s]) => `${type} ${((1000 * (s - (before.get(type) ?? 0))) / cpu.length).toFixed(1)} ms`);
   console.log(`time of processors per picture, with the start of the page: ${each.join(', ')}`);
+  await server.close();
+}
+
+/**
+ * @param {string} url
+ * @param {string} capture
+ */
+async function playback(url, capture) {
+  process.env['BENDTWIN_SERVER'] = url;
+  const server = await createServer({ root: ROOT, logLevel: 'error', server: { port: 0, host: '127.0.0.1' } });
+  await server.listen();
+  const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
+  const token = process.env['BENDTWIN_TOKEN'];
+  const query = token === undefined ? '' : `?token=${token}`;
+  await page.goto(`${server.resolvedUrls?.local[0]}#/${capture}/playback${query}`);
+  await page.getByText('Error (fitted to this frame):').waitFor({ timeout: 120_000 });
+  const session = await page.context().newCDPSession(page);
+  await session.send('Performance.enable', { timeDomain: 'threadTicks' });
+  const script = async () => {
+    const { metrics } = await session.send('Performance.getMetrics');
+    return metrics.find(({ name }) => name === 'ScriptDuration')?.value ?? NaN;
+  };
+  const [began, before] = [await script(), await work()];
+  // Step by step, so that no frame is left out on a machine that is too slow to play.
+  const apart = await page.evaluate(async () => {
+    const button = /** @type {HTMLButtonElement} */ (document.querySelector('[aria-label="Next frame"]'));
+    const slider = /** @type {HTMLInputElement} */ (document.querySelector('.axis-strip input'));
+    const times = [performance.now()];
+    while (slider.value !== slider.max) {
+      button.click();
+      times.push(await new Promise(requestAnimationFrame));
+    }
+    return times.slice(1).map((now, i) => now - (times[i] ?? now));
+  });
+  const [ended, after] = [await script(), await work()];
+  console.log(`${apart.length} pictures, JavaScript per picture: ${((1000 * (ended - began)) / apart.length).toFixed(1)} ms of the processor`);
+  console.log(`between pictures: ${quantiles(apart)}, ${(1000 / mean(apart)).toFixed(1)} a second`);
+  const each = [...after].map(([type, s]) => `${type} ${((1000 * (s - (before.get(type) ?? 0))) / apart.length).toFixed(1)} ms`);
+  console.log(`time of processors per picture: ${each.join(', ')}`);
   await server.close();
 }
 

@@ -70,7 +70,7 @@ describe('pictures of the documents', () => {
     await page.getByText('Error (not fitted to this frame):').waitFor();
     await visit.stop('console-playback');
     // The page from its heading to the errors, which is higher than the window.
-    const { y, height } = (await page.locator('.playback-errors').boundingBox())!;
+    const { y, height } = (await page.locator('.axis-legend').boundingBox())!;
     const clip = { x: 0, y: 60, width: 1200, height: y + height - 54 };
     await page.screenshot({ path: `${SCREENSHOTS}console-playback.png`, fullPage: true, clip });
     await visit.close();

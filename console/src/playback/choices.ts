@@ -1,11 +1,14 @@
 import { idOf } from '../api/routes';
+import type { Twin } from '../api/types';
 import type { PageContext } from '../page';
 import { h } from '../ui/dom';
-import { moment } from '../ui/format';
+import { millimetres, moment } from '../ui/format';
 import type { Head } from './file/head';
 
 /** Twins to choose from. */
 const MOST_TWINS = 100;
+/** Stands for no twin in an address. */
+export const NO_TWIN = 'none';
 
 /** A list to choose from, with its label. */
 export function choice(
@@ -31,20 +34,29 @@ export function sequenceChoice(head: Head, chosen: number, changed: (index: numb
   return choice('Sequence', options, String(chosen), (value) => changed(Number(value)));
 }
 
-/** Twins of a capture to choose from, and one more that the address names. */
-export async function twinChoice(
-  context: PageContext,
-  capture: string,
-  chosen: string,
-  changed: (id: string) => void,
-): Promise<HTMLElement> {
-  const { api, signal } = context;
+/** Twins of a capture, the latest first. */
+export async function twinsOf({ api, signal }: PageContext, capture: string): Promise<readonly Twin[]> {
   const query = { capture: `captures/${capture}`, page_size: MOST_TWINS };
-  const { twins } = await api.get('/v1/twins', { query, signal });
-  const known = twins.map((twin) => {
-    return [idOf(twin.name), `${twin.display_name || 'without a name'}, ${moment(twin.create_time)}`] as const;
+  return (await api.get('/v1/twins', { query, signal })).twins;
+}
+
+/** The twin to begin with: what the address asks for, or else the twin with the least error; empty if there is none. */
+export function firstTwin(asked: string | null, twins: readonly Pick<Twin, 'name' | 'error_m'>[]): string {
+  if (asked !== null && asked !== '') return asked;
+  const error = (twin: Pick<Twin, 'error_m'>): number => twin.error_m ?? Infinity;
+  const [first, ...others] = twins;
+  if (first === undefined) return '';
+  return idOf(others.reduce((best, twin) => (error(twin) < error(best) ? twin : best), first).name);
+}
+
+/** Twins to choose from, and one more that the address names. */
+export function twinChoice(twins: readonly Twin[], chosen: string, changed: (id: string) => void): HTMLElement {
+  const known = twins.map(({ name, display_name, create_time, error_m }) => {
+    const error = error_m === null ? '' : `, ${millimetres(error_m)}`;
+    return [idOf(name), `${display_name || 'without a name'}, ${moment(create_time)}${error}`] as const;
   });
-  const isKnown = chosen === '' || known.some(([id]) => id === chosen);
+  const isKnown = chosen === '' || chosen === NO_TWIN || known.some(([id]) => id === chosen);
   const other = isKnown ? [] : [[chosen, 'the twin of the address'] as const];
-  return choice('Prediction of', [['', 'no twin'], ...other, ...known], chosen, changed);
+  const options = [[NO_TWIN, 'no twin'] as const, ...other, ...known];
+  return choice('Prediction of', options, chosen || NO_TWIN, changed);
 }

@@ -1,5 +1,5 @@
-/** Ways to colour the observed points. */
-export type ColourBy = 'own' | 'plain' | 'error';
+/** Ways to colour the observed points: `auto` is their own colours, and one colour where a prediction lies under them. */
+export type ColourBy = 'auto' | 'own' | 'plain' | 'error';
 
 /** Settings of the picture of a sequence. */
 export interface Look {
@@ -17,13 +17,13 @@ export interface Look {
 const FLAGS = ['observed', 'controls', 'prediction', 'springs', 'appearance', 'beside'] as const;
 
 /** Default settings. */
-export function usual(hasColours: boolean): Look {
+export function usual(): Look {
   return {
-    colour: hasColours ? 'own' : 'plain',
+    colour: 'auto',
     observed: true,
     controls: true,
     prediction: true,
-    springs: true,
+    springs: false,
     appearance: true,
     beside: false,
   };
@@ -31,7 +31,7 @@ export function usual(hasColours: boolean): Look {
 
 /** The look that an address has, the usual one where it has none. */
 export function readLook(query: URLSearchParams, hasColours: boolean): Look {
-  const look = usual(hasColours);
+  const look = usual();
   const colour = query.get('colour');
   if (colour === 'plain' || colour === 'error' || (colour === 'own' && hasColours)) look.colour = colour;
   for (const flag of FLAGS) {
@@ -42,8 +42,8 @@ export function readLook(query: URLSearchParams, hasColours: boolean): Look {
 }
 
 /** Writes into an address what is not usual. */
-export function writeLook(look: Look, query: URLSearchParams, hasColours: boolean): void {
-  const known = usual(hasColours);
+export function writeLook(look: Look, query: URLSearchParams): void {
+  const known = usual();
   if (look.colour !== known.colour) query.set('colour', look.colour);
   for (const flag of FLAGS) if (look[flag] !== known[flag]) query.set(flag, look[flag] ? '1' : '0');
 }

@@ -19,10 +19,10 @@ export function lookControls(look: Look, hasColours: boolean, changed: () => voi
       look[flag] = input.checked;
       changed();
     });
-    return h('label', { class: ofTwin ? 'playback-of-twin' : null }, input, ` ${label}`);
+    return h('label', { class: ofTwin ? 'playback-of-twin' : null }, input, label);
   };
   const own = hasColours ? [['own', 'their own'] as const] : [];
-  const colours = [...own, ['plain', 'one colour'], ['error', 'error of the prediction']] as const;
+  const colours = [['auto', 'automatic'], ...own, ['plain', 'one colour'], ['error', 'error of the prediction']] as const;
   const colour = choice('Colour of points', colours, look.colour, (value) => {
     look.colour = value as ColourBy;
     changed();

@@ -2,25 +2,28 @@ import type { TwinShape } from '../view3d/shape';
 import { placeSkin, pointCount } from '../view3d/skin';
 import { Nearest } from '../view3d/surface/nearest';
 import { rangeOf, type Range } from '../view3d/colour';
-import type { CameraView, Dots } from './camera/camera_view';
-import type { Look } from './look';
-import type { Frame, Motion } from './file/motion';
+import type { Dots } from './camera/camera_view';
+import type { Cameras } from './camera/cameras';
+import type { ColourBy, Look } from './look';
+import { visiblePoints, type Seen } from './extent';
+import type { Motion } from './file/motion';
 import type { Prediction } from './prediction';
 import { COLOURS, coloursOf, type Scene } from './scene';
 
 /** Least difference between the ends of the colours of errors [m]. */
 const LEAST_RANGE_M = 1e-3;
 
-/** Draws frames of a sequence: into space, and into the image of a camera. */
+/** Draws frames of a sequence: into space, and into the images of cameras. */
 export class Player {
   /** The prediction with the shape of its twin, once it is here. */
   twin: { readonly prediction: Prediction; readonly shape: TwinShape } | null = null;
-  camera: CameraView | null = null;
   #range: Range | null = null;
 
   constructor(
     private readonly motion: Motion,
     private readonly scene: Scene,
+    /** Null without cameras. */
+    private readonly cameras: Cameras | null,
     /** Red, green, blue of each point, shape [P, 3]; null if unknown. */
     private readonly colors: Uint8Array | null,
     private readonly look: Look,
@@ -28,12 +31,12 @@ export class Player {
 
   /** True if a frame can be drawn. */
   has(frame: number): boolean {
-    return this.motion.frame(frame) !== null && (this.camera?.has(frame) ?? true);
+    return this.motion.frame(frame) !== null && (this.cameras?.has(frame) ?? true);
   }
 
   /** Loads what a frame needs. */
   async load(frame: number): Promise<void> {
-    await Promise.all([this.motion.load(frame), this.camera?.load(frame)]);
+    await Promise.all([this.motion.load(frame), this.cameras?.load(frame)]);
   }
 
   /** Draws the loaded part of a frame. */
@@ -43,12 +46,13 @@ export class Player {
     if (here === null) return;
     const nodes = this.twin?.prediction.nodes(frame) ?? null;
     const seen = visiblePoints(here);
-    const colours = this.#colours(seen, nodes);
+    const by = this.#colourBy;
+    const colours = this.#colours(seen, nodes, by);
     const shown = { points: seen.points, colours, controls: here.controls, nodes };
     scene.show(shown, look);
     const layers: Dots[] = [];
     // In their own colours they would be invisible on the image.
-    const colour = look.colour === 'own' ? css(COLOURS.observed) : colours;
+    const colour = by === 'own' ? css(COLOURS.observed) : colours;
     if (look.observed) layers.push({ points: seen.points, colour, radius: 1.25 });
     if (look.controls) layers.push({ points: here.controls, colour: css(COLOURS.controls), radius: 2.5 });
     if (look.prediction && nodes !== null && this.twin !== null) {
@@ -57,12 +61,20 @@ export class Player {
       const lines = look.springs ? { lines: innerLines(inner, count) } : {};
       layers.push({ points: nodes, colour: css(COLOURS.predicted), radius: 1.25, ...lines });
     }
-    this.camera?.draw(frame, layers);
+    this.cameras?.draw(frame, layers);
   }
 
-  #colours(seen: Seen, nodes: Float32Array | null): Uint8Array {
+  /** What the observed points are coloured by. */
+  get #colourBy(): ColourBy {
     const { look, colors } = this;
-    if (look.colour === 'error' && nodes !== null && this.twin !== null) {
+    if (look.colour !== 'auto') return look.colour;
+    const isOver = this.twin !== null && look.prediction && !look.beside;
+    return colors === null || isOver ? 'plain' : 'own';
+  }
+
+  #colours(seen: Seen, nodes: Float32Array | null, by: ColourBy): Uint8Array {
+    const { colors } = this;
+    if (by === 'error' && nodes !== null && this.twin !== null) {
       const errors = distances(seen.points, nodes, this.twin.shape);
       const found = rangeOf(errors);
       // The range only grows, so that a colour means the same in all frames that were seen.
@@ -74,26 +86,10 @@ export class Player {
     const bytes = new Uint8Array(seen.points.length);
     const plain = [(COLOURS.observed >> 16) & 255, (COLOURS.observed >> 8) & 255, COLOURS.observed & 255];
     seen.indices.forEach((index, i) => {
-      bytes.set(look.colour === 'own' && colors !== null ? colors.subarray(3 * index, 3 * index + 3) : plain, 3 * i);
+      bytes.set(by === 'own' && colors !== null ? colors.subarray(3 * index, 3 * index + 3) : plain, 3 * i);
     });
     return bytes;
   }
-}
-
-/** Points that a camera saw in a frame. */
-interface Seen {
-  readonly points: Float32Array;
-  readonly indices: readonly number[];
-}
-
-function visiblePoints({ points, visible }: Frame): Seen {
-  const indices: number[] = [];
-  visible.forEach((flag, i) => {
-    if (flag === 1 && !Number.isNaN(points[3 * i]!)) indices.push(i);
-  });
-  const kept = new Float32Array(3 * indices.length);
-  indices.forEach((index, i) => kept.set(points.subarray(3 * index, 3 * index + 3), 3 * i));
-  return { points: kept, indices };
 }
 
 /** Distance of each point to the nearest one of a twin's skin [m], or to the nearest node. */

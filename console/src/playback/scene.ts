@@ -7,10 +7,14 @@ import type { TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView, type TwinLayer } from '../view3d/twin_view';
 import type { SequenceHead } from './file/head';
-import type { Frame } from './file/motion';
+import { joined, near, type Extent } from './extent';
+import { framing } from './framing';
 
 /** Colours of observed points without own ones, of control points and of predicted nodes. */
 export const COLOURS = { observed: 0x2f6fd0, controls: 0xf08c00, predicted: 0x0ca678 };
+
+/** Size of observed points over a prediction, as a share of their usual one. */
+const OVER = 0.45;
 
 /** Observed points of a frame that are shown, with their colours. */
 export interface Shown {
@@ -28,24 +32,30 @@ export class Scene {
   readonly stage: Stage;
   readonly legend = new Legend();
   readonly #observed: PointsLayer;
+  /** Diameter of observed points [m]. */
+  readonly #size: number;
   readonly #controls: PointsLayer;
+  readonly #resize: ResizeObserver;
   #twin: TwinView | null = null;
   #shape: TwinShape | null = null;
   /** Way from the observed points to the prediction that is shown beside them [m]. */
   #beside = new Vector3();
+  /** Where all points are over all frames [m], shape [K, 3]. */
+  #path: Float32Array;
+  /** The view that frames everything, until a person chooses another one. */
+  #framed = '';
 
   constructor(
     private readonly sequence: SequenceHead,
-    /** The first frame and the last, between which things move. */
-    private readonly ends: readonly Frame[],
+    private readonly extent: Extent,
     label: string,
   ) {
+    this.#path = extent.path;
     this.stage = new Stage(label);
     this.stage.overlay.append(this.legend.element);
     const { point_count: points, control_count: controls } = sequence.motion;
-    const first = this.#first;
-    const extent = extentOf(first);
-    const size = Math.max((0.65 * extent) / Math.sqrt(Math.max(points, 1)), 0.002);
+    const { first } = extent;
+    const size = (this.#size = Math.max((0.65 * extentOf(first)) / Math.sqrt(Math.max(points, 1)), 0.002));
     this.#observed = this.stage.add(
       new PointsLayer(new Float32Array(3 * Math.max(points, 1)), { size, colour: COLOURS.observed }),
     );
@@ -54,33 +64,54 @@ export class Scene {
     );
     new Ground(this.stage, first).place(sequence.ground);
     this.#lookAtAll();
+    this.#resize = new ResizeObserver(() => {
+      if (this.view === null) this.#lookAtAll();
+    });
+    this.#resize.observe(this.stage.element);
   }
 
-  /** Shows the prediction of a twin from now on. */
-  setTwin(shape: TwinShape): void {
+  /** The view that a person has chosen, for an address; null while everything is framed. */
+  get view(): string | null {
+    return this.stage.view === this.#framed ? null : this.stage.view;
+  }
+
+  /** Shows the prediction of a twin from now on; `nodes` [m], shape [K, 3], are where it comes to. */
+  setTwin(shape: TwinShape, nodes: Float32Array): void {
+    const { view } = this;
     this.#shape = shape;
     this.#twin = new TwinView(this.stage, shape, this.legend);
     this.#twin.above(this.sequence.ground);
+    this.#path = joined([this.extent.path, near(nodes, this.extent.path)]);
+    if (view === null) this.#lookAtAll();
+    else this.stage.setView(view);
+  }
+
+  /** Layers of the twin that have something to show. */
+  get layers(): readonly TwinLayer[] {
+    return this.#twin?.layers ?? [];
   }
 
   /** Layers of the twin that are seen, and whether it stands beside the observed points. */
   showTwin(layers: ReadonlySet<TwinLayer>, isBeside: boolean): void {
     this.#twin?.show(layers);
-    const way = isBeside ? 1.5 * extentOf(this.#first) : 0;
+    // The prediction is to be seen between the points.
+    const isOver = this.#twin !== null && layers.size > 0 && !isBeside;
+    this.#observed.size = this.#size * (isOver ? OVER : 1);
+    const way = isBeside ? 1.5 * extentOf(this.extent.first) : 0;
     if (this.#beside.x === way) return;
     this.#beside.set(way, 0, 0);
     this.#lookAtAll();
   }
 
-  /** Frames the path of all points, and the place beside them if the prediction stands there. */
+  /** Frames the paths of all points, and the place beside them if the prediction stands there. */
   #lookAtAll(): void {
-    const points = this.ends.flatMap((end) => [...end.points]);
-    const other = this.#beside.x === 0 ? [] : moved(this.#first, this.#beside);
-    this.stage.lookAt(Float32Array.from([...points, ...other]));
-  }
-
-  get #first(): Float32Array {
-    return this.ends[0]?.points ?? new Float32Array(0);
+    const path = this.#path;
+    const all = this.#beside.x === 0 ? path : joined([path, moved(path, this.#beside)]);
+    const { fov, aspect } = this.stage.camera;
+    const found = framing(all, { degrees: fov, aspect });
+    if (found === null) return;
+    this.stage.setView([...found.position, ...found.target].join(','));
+    this.#framed = this.stage.view;
   }
 
   /** Legend of colours that mean a number. */
@@ -102,6 +133,7 @@ export class Scene {
   }
 
   dispose(): void {
+    this.#resize.disconnect();
     this.#twin?.dispose();
     this.stage.dispose();
   }
@@ -139,10 +171,10 @@ function scaled({ low, high }: Range): Range {
   return { low: 1000 * low, high: 1000 * high };
 }
 
-/** Largest extent of points along any axis, or along one [m]. */
-function extentOf(points: Float32Array, axis?: number): number {
-  const spans = (axis === undefined ? [0, 1, 2] : [axis]).map((a) => {
-    const values = Array.from(points).filter((x, i) => i % 3 === a && Number.isFinite(x));
+/** Largest extent of points along any axis [m]. */
+function extentOf(points: Float32Array): number {
+  const spans = [0, 1, 2].map((axis) => {
+    const values = points.filter((x, i) => i % 3 === axis && Number.isFinite(x));
     const high = values.reduce((most, x) => Math.max(most, x), -Infinity);
     return values.length === 0 ? 0 : high - values.reduce((least, x) => Math.min(least, x), Infinity);
   });

@@ -167,12 +167,16 @@ export class Stage {
     return true;
   }
 
-  /** The current picture as a PNG. */
-  picture(): Promise<Blob> {
+  /** Draws at once, with all pixels. The canvas keeps that until the end of this task only. */
+  drawNow(): void {
     this.#sharpness.restore();
     this.#resizeCanvas();
-    // The canvas keeps what was drawn until the end of this task only.
     this.#draw();
+  }
+
+  /** The current picture as a PNG. */
+  picture(): Promise<Blob> {
+    this.drawNow();
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob === null ? reject(new Error('no picture was made')) : resolve(blob)));
     });

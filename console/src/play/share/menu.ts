@@ -11,12 +11,16 @@ const FORMATS = ['video/webm;codecs=vp8', 'video/webm;codecs=vp9', 'video/webm',
 /** Time after which each part of a video comes [ms]. */
 const PART_MS = 1000;
 
-/** Buttons for a link to what is seen, a picture of it, and a video. */
+/** Makes a button for a video; `say` shows what came of it. */
+export type VideoButton = (say: (text: string) => void) => HTMLElement | null;
+
+/** Buttons for a link to what is seen, a picture of it, and a video: one that films, or another one. */
 export function shareMenu(
   stage: Stage,
   context: PageContext,
   query: () => URLSearchParams,
   name: string,
+  video: VideoButton = (say) => videoButton(stage, context, name, say),
 ): HTMLElement {
   const done = h('p', { class: 'hint', role: 'status' });
   const field = h('input', { type: 'text', readonly: true, hidden: true, 'aria-label': 'Link' });
@@ -40,7 +44,7 @@ export function shareMenu(
     h('div', { class: 'row' },
       h('button', { type: 'button', onclick: () => void link() }, 'Copy link'),
       h('button', { type: 'button', onclick: () => void picture() }, 'Picture'),
-      videoButton(stage, context, name, (text) => (done.textContent = text))),
+      video((text) => (done.textContent = text))),
     field, done);
 }
 

@@ -1,8 +1,5 @@
 import { h } from '../../ui/dom';
-import type { CameraHead } from '../file/head';
-import { Images } from './images';
-import type { Read } from '../file/motion';
-import { Projection } from './projection';
+import { BEHIND, type CameraSource } from './source';
 
 /** Points that are drawn into an image. */
 export interface Dots {
@@ -16,76 +13,65 @@ export interface Dots {
   readonly lines?: Uint32Array;
 }
 
-/** Images of a camera, with points drawn into them. */
+/** Images of one camera after the other, with points drawn into them. */
 export class CameraView {
   readonly element: HTMLElement;
-  readonly #canvas = h('canvas', { role: 'img' });
-  readonly #note = h('figcaption', { class: 'hint' });
-  readonly #images: Images;
-  readonly #projection: Promise<Projection>;
-  readonly #resize = new ResizeObserver(() => this.changed());
-  #known: Projection | null = null;
+  readonly canvas = h('canvas', { role: 'img' });
+  readonly #note = h('figcaption');
+  readonly #resize: ResizeObserver;
 
   /** `changed` is called when the view has to be redrawn. */
   constructor(
-    private readonly camera: CameraHead,
-    read: Read,
-    private readonly changed: () => void,
+    private source: CameraSource,
+    changed: () => void,
   ) {
-    this.#images = new Images(camera, read);
-    this.#projection = read(camera.poses).then(
-      (bytes) => (this.#known = new Projection(camera, new Float32Array(bytes.buffer))),
-    );
-    this.#canvas.setAttribute('aria-label', `Image of camera ${camera.name}, with points drawn into it`);
-    const [width, height] = camera.size;
-    this.#canvas.style.aspectRatio = `${width} / ${height}`;
-    this.element = h('figure', { class: 'playback-camera' }, this.#canvas, this.#note);
-    this.#resize.observe(this.#canvas);
+    this.element = h('figure', { class: 'playback-camera' }, this.canvas, this.#note);
+    this.#resize = new ResizeObserver(changed);
+    this.#resize.observe(this.canvas);
+    this.show(source);
   }
 
-  /** Loads what a frame needs. */
-  async load(frame: number): Promise<void> {
-    await Promise.all([this.#images.load(frame), this.#projection]);
-  }
-
-  /** True if a frame can be drawn. */
-  has(frame: number): boolean {
-    return this.#known !== null && this.#images.at(frame) !== undefined;
+  /** Shows another camera from now on. */
+  show(source: CameraSource): void {
+    this.source = source;
+    const { name, size: [width, height] } = source.head;
+    this.canvas.setAttribute('aria-label', `Image of camera ${name}, with points drawn into it`);
+    this.canvas.style.aspectRatio = `${width} / ${height}`;
   }
 
   /** Draws a frame. */
   draw(frame: number, layers: readonly Dots[]): void {
-    const context = this.#canvas.getContext('2d');
-    const image = this.#images.at(frame);
-    if (context === null || image === undefined || this.#known === null) return;
+    const { head, images, projection } = this.source;
+    const context = this.canvas.getContext('2d');
+    const image = images.at(frame);
+    if (context === null || image === undefined || projection === null) return;
     const ratio = devicePixelRatio;
-    const [width, height] = this.camera.size;
-    const wide = Math.max(Math.round(this.#canvas.clientWidth * ratio), 1);
+    const [width, height] = head.size;
+    const wide = Math.max(Math.round(this.canvas.clientWidth * ratio), 1);
     const size = [wide, Math.max(Math.round((wide * height) / width), 1)] as const;
-    if (this.#canvas.width !== size[0]) this.#canvas.width = size[0];
-    if (this.#canvas.height !== size[1]) this.#canvas.height = size[1];
-    context.fillStyle = '#14181d';
+    if (this.canvas.width !== size[0]) this.canvas.width = size[0];
+    if (this.canvas.height !== size[1]) this.canvas.height = size[1];
+    context.fillStyle = BEHIND;
     context.fillRect(0, 0, ...size);
     if (image !== null) context.drawImage(image, 0, 0, ...size);
-    const index = this.#images.indexAt(frame);
-    const shown = index === null ? frame : index * this.camera.images.every;
+    const index = images.indexAt(frame);
+    const shown = index === null ? frame : index * head.images.every;
     this.#say(frame, image === null ? null : shown);
     const scale = wide / width;
     // Points of one frame lie wrongly on the image of another.
     if (image !== null && shown !== frame) context.globalAlpha = 0.6;
     for (const dots of layers) {
-      drawDots(context, this.#known.pixels(dots.points, index ?? 0), dots, { scale, ratio });
+      drawDots(context, projection.pixels(dots.points, index ?? 0), dots, { scale, ratio });
     }
     context.globalAlpha = 1;
   }
 
   dispose(): void {
     this.#resize.disconnect();
-    this.#images.dispose();
   }
 
   #say(frame: number, shown: number | null): void {
-    const { name, images } = this.camera;
+    const { name, images } = this.source.head;
     const said = ((): string => {
       if (images.lengths.length === 0) return ': its images were left out for lack of space.';
       if (shown === null) return ': no image was recorded here.';

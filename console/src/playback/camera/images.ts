@@ -17,11 +17,13 @@ export class Images {
     read: Read,
     decode: (file: Blob) => Promise<ImageBitmap> = createImageBitmap,
     private readonly together = TOGETHER,
+    /** Blocks that are kept decoded. */
+    kept = KEPT,
   ) {
     this.#blocks = blocksOf<ImageBitmap>(
       camera.images,
       read,
-      [together, KEPT],
+      [together, kept],
       // One that does not decode is shown as one that was not recorded.
       (file) => decode(new Blob([file], { type: 'image/jpeg' })).catch(() => null),
       (images) => images.forEach((image) => image?.close()),

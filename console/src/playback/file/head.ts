@@ -13,6 +13,8 @@ export interface MotionHead {
   readonly visible: Range;
   /** int16 [T, C, 3] */
   readonly controls: Range;
+  /** Hand of each control point, shape [C]; empty if unknown. */
+  readonly control_hands?: readonly number[];
   /** Bytes [P, 3]. */
   readonly colors: Range | null;
 }

@@ -31,7 +31,7 @@ export class Motion {
   readonly #rows: { points: number; visible: number; controls: number };
 
   constructor(
-    private readonly head: MotionHead,
+    readonly head: MotionHead,
     readonly frameCount: number,
     read: Read,
   ) {
@@ -70,18 +70,22 @@ export class Motion {
     const bits = of(block.visible, this.#rows.visible);
     const visible = Uint8Array.from({ length: count }, (_, i) => (bits[i >> 3]! >> (i & 7)) & 1);
     return {
-      points: this.#metres(of(block.points, this.#rows.points)),
+      points: metres(of(block.points, this.#rows.points), this.head),
       visible,
-      controls: this.#metres(of(block.controls, this.#rows.controls)),
+      controls: metres(of(block.controls, this.#rows.controls), this.head),
     };
   }
+}
 
-  #metres(bytes: Uint8Array): Float32Array {
-    const { origin, scale_m: scale } = this.head;
-    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-    return Float32Array.from({ length: bytes.length / 2 }, (_, i) => {
-      const number = view.getInt16(2 * i, true);
-      return number === UNKNOWN ? NaN : origin[i % 3]! + scale * number;
-    });
-  }
+/** Control points of all frames [m], shape [T, C, 3]; not a number where they are not known. */
+export async function controlsOf(head: MotionHead, read: Read): Promise<Float32Array> {
+  return metres(await read(head.controls), head);
+}
+
+function metres(bytes: Uint8Array, { origin, scale_m: scale }: MotionHead): Float32Array {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  return Float32Array.from({ length: bytes.length / 2 }, (_, i) => {
+    const number = view.getInt16(2 * i, true);
+    return number === UNKNOWN ? NaN : origin[i % 3]! + scale * number;
+  });
 }
