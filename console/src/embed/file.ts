@@ -1,5 +1,6 @@
 import { readHeader, startOfData } from '../api/twin_file';
-import { startsOf, type Skin } from '../view3d/skin';
+import { NO_FRAME, startsOf, type Skin } from '../view3d/skin';
+import { ofLength, within } from '../view3d/tensor';
 
 /** A twin file in memory: its document, and its tensors by name, which are empty where the file has none. */
 export class TwinFile {
@@ -26,14 +27,20 @@ export class TwinFile {
     return new Uint8Array(this.#part(name, 'U8', 1));
   }
 
-  /** Points that nodes carry: the tensors that begin with `skin`, `surface` or the like. */
-  carried(prefix: string): Skin {
+  /** Points that N nodes carry: the tensors that begin with `skin` or `surface`. */
+  carried(prefix: 'skin' | 'surface', nodes: number): Skin {
+    const starts = startsOf(this.indices(`${prefix}.weight_count`));
+    const points = starts.length - 1;
+    const carriers = ofLength(this.indices(`${prefix}.weight_node`), starts[points]!, `${prefix}.weight_node`);
+    within(carriers, nodes, `${prefix}.weight_node`);
+    const frames = ofLength(this.indices(`${prefix}.frame`), 3 * points, `${prefix}.frame`);
+    within(frames.filter((node) => node !== NO_FRAME), nodes, `${prefix}.frame`);
     return {
-      starts: startsOf(this.indices(`${prefix}.weight_count`)),
-      nodes: this.indices(`${prefix}.weight_node`),
-      weights: this.floats(`${prefix}.weight`),
-      frames: this.indices(`${prefix}.frame`),
-      offsets: this.floats(`${prefix}.offset`),
+      starts,
+      nodes: carriers,
+      weights: ofLength(this.floats(`${prefix}.weight`), carriers.length, `${prefix}.weight`),
+      frames,
+      offsets: ofLength(this.floats(`${prefix}.offset`), 3 * points, `${prefix}.offset`),
     };
   }
 

@@ -88,7 +88,7 @@ export function readModel(file: TwinFile): { model: Model; fast: FastVariant | n
 
 /** The points of a twin's skin: its surface nodes, if it has no others. */
 export function readSkin(file: TwinFile): Skin {
-  const skin = file.carried('skin');
+  const skin = file.carried('skin', file.floats('nodes.rest_position').length / 3);
   if (pointCount(skin) > 0) return skin;
   const nodes = Uint32Array.from(file.bytes('nodes.kind').filter((kind) => kind < 2).keys());
   return {
