@@ -3,14 +3,14 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
-import { TwinFile } from '../src/embed/file';
-import { barriers } from './kit/barriers';
-import { exportPage } from './kit/embedded';
-import { folder } from './kit/made';
-import { changed, colourAt, mean, pictureOf, type Colour, type Picture } from './kit/pixels';
-import { fitted } from './kit/rope';
-import { browser, server, withServer } from './kit/server';
-import { SCREENSHOTS } from './kit/visit';
+import { TwinFile } from '../../src/embed/file';
+import { barriers } from '../kit/barriers';
+import { exportPage } from './export';
+import { folder } from '../kit/made';
+import { changed, colourAt, mean, pictureOf, type Colour, type Picture } from '../kit/pixels';
+import { fitted } from '../kit/rope';
+import { browser, server, withServer } from '../kit/server';
+import { SCREENSHOTS } from '../kit/visit';
 
 /** Difference of the channels from which on a pixel is of the object: page, ground and shadow are grey. */
 const COLOURFUL = 40;
