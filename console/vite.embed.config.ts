@@ -33,7 +33,7 @@ const onePage: Plugin = {
   },
 };
 
-/** The page of one twin, which `bendtwin twin export` writes: a file of its own beside those of the console. */
+/** The page of one twin, which `bendtwin twin export` writes: a separate file beside those of the console. */
 export default defineConfig({
   plugins: [onePage],
   publicDir: false,

@@ -4,7 +4,7 @@ import { TwinFile } from './file';
 import { LiveTwin } from './live_twin';
 import fixture from './physics/motion.fixture.json';
 
-/** One of the twins of the physics' fixture. */
+/** A twin of the physics' fixture. */
 function twinOf(scene: string): LiveTwin {
   const { twin } = fixture.scenes.find(({ name }) => name === scene)!;
   return new LiveTwin(new TwinFile(new Uint8Array(gunzipSync(Buffer.from(twin, 'base64')))));

@@ -1,3 +1,4 @@
+import { sizeOf } from '../view3d/shape';
 import type { TwinFile } from './file';
 import { Pace } from './pace';
 import type { Model } from './physics/model';
@@ -36,7 +37,7 @@ export class LiveTwin {
     // What nothing would catch does not fall.
     const floats = !this.isHeld && model.ground === null;
     this.#held = floats ? { ...model, gravity: [0, 0, 0] } : model;
-    this.#size = sizeOf(model.rest);
+    this.#size = sizeOf(Float32Array.from(model.rest));
     this.#controls = model.controls.slice();
     this.#simulator = new Simulator(this.#held);
   }
@@ -104,7 +105,7 @@ export class LiveTwin {
     (this.#pull ?? this.#hand)?.target.set([x, y, z]);
   }
 
-  /** Lets go of what was grabbed. */
+  /** Releases what was grabbed. */
   release(): void {
     this.#pull = null;
     this.#hand = null;
@@ -151,7 +152,7 @@ export class LiveTwin {
     this.#simulator.continue(before);
   }
 
-  /** Control point that a node is pinned to, or joined with by a spring; null if there is none. */
+  /** Control point that a node is pinned to, or joined with by a spring; null without one. */
   #controlAt(node: number): number | null {
     const { pins, springs, masses } = this.#held;
     const pin = pins.nodes.indexOf(node);
@@ -174,14 +175,4 @@ export class LiveTwin {
       if (hand === number) step.forEach((value, c) => (this.#controls[3 * control + c]! += value));
     });
   }
-}
-
-/** Length of the diagonal of the box around points, shape [N, 3] [m]. */
-function sizeOf(points: Float64Array): number {
-  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  points.forEach((value, i) => {
-    low[i % 3] = Math.min(low[i % 3]!, value);
-    high[i % 3] = Math.max(high[i % 3]!, value);
-  });
-  return points.length === 0 ? 0.1 : Math.hypot(...high.map((value, c) => value - low[c]!));
 }

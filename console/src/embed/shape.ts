@@ -34,7 +34,7 @@ export function readShape(file: TwinFile, model: Model): TwinShape {
   };
 }
 
-/** The surface of a twin with so many nodes; null if it has none. */
+/** The surface of a twin of N nodes; null for a twin without one. */
 function readSurface(file: TwinFile, nodes: number): Surface | null {
   const carriers = file.carried('surface', nodes);
   const triangles = file.indices('surface.triangle');

@@ -93,7 +93,7 @@ export class Contact {
     }
   }
 
-  /** Finds the change of a pair's relative velocity; false if there is none. */
+  /** Finds the change of a pair's relative velocity; false if the pair is not in contact. */
   #touch(i: number, j: number, x: Float64Array, start: Float64Array, v: Float64Array): boolean {
     const { contact, rest } = this.model;
     let [nx, ny, nz] = [x[j]! - x[i]!, x[j + 1]! - x[i + 1]!, x[j + 2]! - x[i + 2]!];

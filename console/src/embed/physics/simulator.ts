@@ -57,7 +57,7 @@ export class Simulator {
   }
 
   /**
-   * Advances by so many substeps, by default a frame, in which control points move evenly to `controls` [C, 3]; false
+   * Advances by a number of substeps, by default a frame, in which control points move evenly to `controls` [C, 3]; false
    * if the motion has diverged.
    */
   advance(controls: Float64Array, substeps = this.model.substeps, pull: Pull | null = null): boolean {
