@@ -31,10 +31,10 @@ export function travel(
     const i = 3 * n;
     const along = nx * v[i]! + ny * v[i + 1]! + nz * v[i + 2]!;
     const height = nx * x[i]! + ny * x[i + 1]! + nz * x[i + 2]! - ground.offset - clearance[n]!;
-    let before = dt;
+    let left = dt;
     if (along < 0 && height + dt * along < MARGIN) {
-      before = height > MARGIN ? Math.min(-height / along, dt) : 0;
-      for (let c = 0; c < 3; c += 1) x[i + c]! += before * v[i + c]!;
+      const until = height > MARGIN ? Math.min(-height / along, dt) : 0;
+      for (let c = 0; c < 3; c += 1) x[i + c]! += until * v[i + c]!;
       impact(
         ground,
         start[i]!, start[i + 1]!, start[i + 2]!,
@@ -43,9 +43,9 @@ export function travel(
         change,
       );
       for (let c = 0; c < 3; c += 1) v[i + c]! += change[c]!;
-      before = dt - before;
+      left = dt - until;
     }
-    for (let c = 0; c < 3; c += 1) x[i + c]! += before * v[i + c]!;
+    for (let c = 0; c < 3; c += 1) x[i + c]! += left * v[i + c]!;
   }
 }
 
