@@ -1,7 +1,6 @@
-import { Vector3 } from 'three';
 import { h } from '../ui/dom';
-import { GroundLayer } from '../view3d/layers/ground';
 import { Legend } from '../view3d/legend';
+import { Ground } from '../view3d/place/ground';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
 import { TwinFile } from './file';
@@ -18,7 +17,7 @@ export function twinPage(name: string, content: Uint8Array): HTMLElement {
   const stage = new Stage(`${name}: drag it to pull, drag beside it to turn the view`);
   const view = new TwinView(stage, shape, new Legend());
   view.above(shape.ground);
-  stage.add(new GroundLayer()).place(shape.ground, middleOf(shape.rest));
+  new Ground(stage, shape.rest).place(shape.ground);
   stage.lookAt(shape.rest);
 
   let isPaused = matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -84,10 +83,4 @@ export function twinPage(name: string, content: Uint8Array): HTMLElement {
       h('p', {}, h('strong', {}, h('bdi', {}, name)), 'simulated by BendTwin'),
       speed, status,
       h('div', { class: 'embed-buttons', role: 'group', 'aria-label': 'Simulation' }, letGo, pause, reset)));
-}
-
-function middleOf(points: Float32Array): Vector3 {
-  const sum = new Vector3();
-  for (let i = 0; i < points.length; i += 3) sum.add(new Vector3().fromArray(points, i));
-  return sum.divideScalar(Math.max(points.length / 3, 1));
 }

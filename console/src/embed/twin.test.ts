@@ -13,7 +13,7 @@ const LINE = {
   pins: [[0, 0]],
 };
 
-/** A twin file, with tensors added to or put in place of its own. */
+/** A twin file, with tensors added or replaced. */
 function fileOf(others: Readonly<Record<string, { dtype: string; values: Uint32Array | Float32Array }>> = {}): TwinFile {
   const bytes = new Uint8Array(twinFile(LINE));
   const start = 8 + Number(new DataView(bytes.buffer).getBigUint64(0, true));
