@@ -6142,7 +6142,7 @@ export interface operations {
         parameters: {
             query?: {
                 /** @description The format; default: glb */
-                format?: "twin" | "splats" | "ply" | "ply-sequence" | "obj" | "glb" | "npz" | "usda" | "usdz" | "mujoco" | "mcap";
+                format?: "twin" | "splats" | "ply" | "ply-sequence" | "obj" | "glb" | "npz" | "usda" | "usdz" | "mujoco" | "mcap" | "html";
             };
             header?: never;
             path: {

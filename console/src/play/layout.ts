@@ -1,5 +1,6 @@
 import { h } from '../ui/dom';
-import { button, press } from './panels/parts';
+import { fullScreenButton } from '../ui/full_screen';
+import { button } from './panels/parts';
 
 /** Parts of a page of a twin in three dimensions. */
 export interface Parts {
@@ -21,20 +22,8 @@ export function layoutOf({ bar, stage, below, panels }: Parts): HTMLElement {
   }, { class: 'play-fold', 'aria-expanded': 'true', 'aria-controls': 'play-panels' });
   root.append(
     h('div', { class: 'play-main' },
-      h('div', { class: 'row play-bar' }, bar, h('div', { class: 'row' }, fullScreen(root), fold)),
+      h('div', { class: 'row play-bar' }, bar, h('div', { class: 'row' }, fullScreenButton(root), fold)),
       stage, below),
     h('div', { class: 'play-panels', id: 'play-panels' }, ...panels));
   return root;
-}
-
-/** A button that gives an element the whole screen, where the browser is able to. */
-function fullScreen(element: HTMLElement): HTMLElement | null {
-  if (!document.fullscreenEnabled) return null;
-  const toggle = button('Full screen', () => {
-    if (document.fullscreenElement !== null) void document.exitFullscreen();
-    else element.requestFullscreen().catch(() => undefined);
-  }, { 'aria-pressed': 'false' });
-  // Escape ends it too.
-  element.addEventListener('fullscreenchange', () => press(toggle, document.fullscreenElement !== null));
-  return toggle;
 }

@@ -185,6 +185,10 @@ async fn a_surface_is_served_drawn_and_exported() {
     assert_eq!(&file.bytes().await.unwrap()[..4], b"glTF");
     let file = get(format!("{path}/export?format=twin")).await.bytes().await.unwrap();
     assert_eq!(Twin::decode(&file).unwrap().surface, twin.surface);
+    let page = get(format!("{path}/export?format=html")).await;
+    let name = page.headers()["content-disposition"].to_str().unwrap().to_owned();
+    assert!(name.starts_with("attachment") && name.ends_with(".html\""), "{name}");
+    assert!(page.text().await.unwrap().starts_with("<!doctype html>"));
     for (format, reason) in [("stl", "INVALID_FIELD"), ("splats", "EXPORT_NO_SPLATS")] {
         let (status, problem) = server.get(&format!("{path}/export?format={format}")).await;
         assert_eq!((status, &problem["reason"]), (400, &json!(reason)));

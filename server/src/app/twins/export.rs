@@ -4,10 +4,12 @@ use std::{io::Cursor, sync::Arc};
 
 use bendtwin_budget::Share;
 use bendtwin_core::Twin as TwinFile;
-use bendtwin_exchange::{Error as ExchangeError, Format, PointSet, Scene, encode};
+use bendtwin_exchange::{
+    Error as ExchangeError, ExportFormat, Format, PointSet, Scene, encode, web_page,
+};
 
 use super::{App, Error, Result};
-use crate::access::Scope;
+use crate::{access::Scope, twin_page::twin_page_template};
 
 /// A file of another program, and its memory.
 pub(crate) struct Exported {
@@ -24,7 +26,7 @@ impl App {
     /// [`Error::Invalid`] for an unknown word, [`Error::Export`] if the format cannot carry the twin.
     pub(crate) async fn export_as(&self, name: &str, format: &str) -> Result<Exported> {
         let twin = self.reach(Scope::TwinsRead, name).await?;
-        let format: Format = format
+        let format: ExportFormat = format
             .parse()
             .map_err(|known: String| Error::invalid("format", format!("is unknown: {known}")))?;
         let _turn = self.drawing.turn().await;
@@ -33,13 +35,22 @@ impl App {
                 "" => row.id.to_string(),
                 name => name.to_owned(),
             };
-            Ok(file(&name, twin, format)?)
+            match format {
+                ExportFormat::Html => page(&name, twin),
+                ExportFormat::Of(format) => Ok(file(&name, twin, format)?),
+            }
         });
         let bytes = read.await?;
         let held = Arc::new(self.memory.reply(bytes.len() as u64).await?);
-        let extension = format.extensions().first().copied().unwrap_or_default();
-        Ok(Exported { bytes, extension, held })
+        Ok(Exported { bytes, extension: format.extension(), held })
     }
+}
+
+/// The web page of a twin.
+fn page(name: &str, twin: &TwinFile) -> Result<Vec<u8>> {
+    let template = twin_page_template()
+        .map_err(|e| Error::Internal(format!("the page of a twin is damaged: {e}")))?;
+    Ok(web_page(&template, name, &twin.encode()?)?)
 }
 
 /// The file: of the surface in formats of programs that show it, and else of the nodes, which a few nodes have alone.
