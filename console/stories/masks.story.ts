@@ -38,10 +38,13 @@ describe('from cameras to a twin', () => {
     const visit = await Visit.open(browser, server, { at: '/upload' });
     const { page } = visit;
     await page.getByLabel('Choose a folder').setInputFiles(recording);
+    // What it lacks is said before it is sent.
+    await page.getByText('No calibration: a board').waitFor();
+    await page.getByRole('button', { name: 'Upload lab' }).click();
     await page.getByRole('link', { name: 'Open the capture' }).click();
     await visit.heading('lab');
     // The refusal leads to the form.
-    await page.getByText('NOT_CALIBRATED').first().waitFor(LONG);
+    await page.locator('.findings').getByText('NOT_CALIBRATED').first().waitFor(LONG);
     await page.getByText('First images').waitFor();
     await visit.stop('cameras-refused');
     await page.getByRole('button', { name: 'Calibrate with a board' }).click();
@@ -52,7 +55,7 @@ describe('from cameras to a twin', () => {
     await page.getByLabel('Dictionary of the markers').selectOption(BOARD.dictionary);
     await page.getByRole('button', { name: 'Calibrate', exact: true }).click();
     await expect.poll(() => page.getByText('NOT_CALIBRATED').count(), LONG).toBe(0);
-    await page.getByText('MASKS_MISSING').first().waitFor(LONG);
+    await page.locator('.findings').getByText('MASKS_MISSING').first().waitFor(LONG);
     await page.locator('summary', { hasText: /^Calibration$/ }).click();
     await page.getByText('Reprojection error').waitFor();
     await visit.stop('cameras-calibrated');

@@ -176,7 +176,7 @@ describe('the pages of captures, fits and twins', () => {
     await page.getByText('No capture matches.').waitFor();
     await visit.go(addresses[1] ?? '');
     await page.getByRole('button', { name: 'Delete' }).click();
-    await page.getByRole('dialog').getByText(/^\d twins and \d fits depend on it\./).waitFor();
+    await page.getByRole('dialog').getByText(/\d twins and \d fits depend on it:/).waitFor();
     await visit.stop('capture-delete');
     await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
     await visit.close();

@@ -20,8 +20,8 @@ test('what depends on captures is counted', async () => {
   });
   const both = await deleteQuestion(page, ['a', 'b']);
   expect(both.title).toBe('Delete 2 captures?');
-  expect(both.text).toMatch(/^120 twins and 3 fits depend on them\. /);
-  expect((await deleteQuestion(page, ['b'])).text).toMatch(/^1 fit depends on it\. /);
+  expect(both.text).toMatch(/ 120 twins and 3 fits depend on them: they are kept/);
+  expect((await deleteQuestion(page, ['b'])).text).toMatch(/ 1 fit depends on it: it is kept/);
 });
 
 test('more than were counted are at least as many', () => {

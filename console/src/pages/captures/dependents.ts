@@ -29,8 +29,8 @@ export function textOf({ twins, fits, isLeast }: Dependents, areSeveral: boolean
   const parts = [twins > 0 ? counted(twins, 'twin') : '', fits > 0 ? counted(fits, 'fit') : ''].filter((part) => part !== '');
   const least = isLeast ? 'At least ' : '';
   const depend = twins + fits === 1 ? 'depends' : 'depend';
-  const kept = 'Twins and fits are kept, but can no longer be shown beside the recording or be refined.';
-  return `${least}${parts.join(' and ')} ${depend} on ${areSeveral ? 'them' : 'it'}. ${kept}`;
+  const kept = 'kept, but no longer shown beside the recording';
+  return `${least}${parts.join(' and ')} ${depend} on ${areSeveral ? 'them' : 'it'}: ${twins + fits === 1 ? 'it is' : 'they are'} ${kept}.`;
 }
 
 async function dependentsOf(api: Api, capture: string, signal: AbortSignal): Promise<Dependents> {
@@ -51,10 +51,10 @@ async function dependentsOf(api: Api, capture: string, signal: AbortSignal): Pro
 export async function deleteQuestion(context: PageContext, captures: readonly string[]): Promise<{ title: string; text: string }> {
   const depend = await dependentsText(context, captures);
   const areSeveral = captures.length > 1;
-  const subject = areSeveral ? 'They go' : 'It goes';
+  const subject = areSeveral ? 'The captures go' : 'The capture goes';
   const trash = `${subject} to the trash, if this server has one, with ${areSeveral ? 'their' : 'its'} points and report.`;
   return {
     title: areSeveral ? `Delete ${captures.length} captures?` : 'Delete this capture?',
-    text: [depend, trash].filter((part) => part !== '').join(' '),
+    text: [trash, depend].filter((part) => part !== '').join(' '),
   };
 }
