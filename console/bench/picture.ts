@@ -4,11 +4,13 @@ import { Legend } from '../src/view3d/legend';
 import type { TwinShape } from '../src/view3d/shape';
 import { startsOf } from '../src/view3d/skin';
 import { Stage } from '../src/view3d/stage';
-import { TwinView } from '../src/view3d/twin_view';
+import type { Surface } from '../src/view3d/surface/surface';
+import { TwinView, type TwinLayer } from '../src/view3d/twin_view';
 
 const query = new URLSearchParams(location.search);
 const nodes = Number(query.get('nodes') ?? 10_000);
 const points = Number(query.get('points') ?? 5_000);
+const triangles = Number(query.get('triangles') ?? 0);
 const splats = Number(query.get('splats') ?? 0);
 const frames = Number(query.get('frames') ?? 300);
 const WEIGHTS = 8;
@@ -45,6 +47,7 @@ function sheet(): TwinShape {
       frames: Uint32Array.from({ length: 3 * points }, (_, k) => near(Math.floor(k / 3), [0, 1, side][k % 3]!)),
       offsets: Float32Array.from({ length: 3 * points }, (_, k) => (k % 3 === 2 ? 0.002 : 0)),
     },
+    surface: triangles === 0 ? null : surfaceOf(side),
     ground: { normal: [0, 0, 1], offset_m: 0 },
     gravity: [0, 0, -9.81],
     fps: 60,
@@ -53,6 +56,32 @@ function sheet(): TwinShape {
     massKg: null,
     mass: nodes,
     spacing: 1 / side,
+  };
+}
+
+/** A surface on the sheet, whose vertices 8 nodes carry. */
+function surfaceOf(side: number): Surface {
+  const edge = Math.ceil(Math.sqrt(triangles / 2)) + 1;
+  const vertices = edge * edge;
+  const near = (v: number, k: number): number => {
+    const [x, y] = [(v % edge) / edge, Math.floor(v / edge) / edge];
+    return Math.min(Math.floor(y * side) * side + Math.floor(x * side) + k, nodes - 1);
+  };
+  const corners: number[] = [];
+  for (let v = 0; v + edge + 1 < vertices; v += 1) {
+    if ((v + 1) % edge !== 0) corners.push(v, v + 1, v + edge + 1, v, v + edge + 1, v + edge);
+  }
+  return {
+    carriers: {
+      starts: startsOf(new Uint32Array(vertices).fill(WEIGHTS)),
+      nodes: Uint32Array.from({ length: WEIGHTS * vertices }, (_, k) => near(Math.floor(k / WEIGHTS), k % WEIGHTS)),
+      weights: new Float32Array(WEIGHTS * vertices).fill(1 / WEIGHTS),
+      frames: Uint32Array.from({ length: 3 * vertices }, (_, k) => near(Math.floor(k / 3), [0, 1, side][k % 3]!)),
+      offsets: Float32Array.from({ length: 3 * vertices }, (_, k) => (k % 3 === 2 ? 0.002 : 0)),
+    },
+    triangles: Uint32Array.from(corners),
+    colours: Uint8Array.from({ length: 3 * vertices }, (_, i) => 128 + 100 * Math.sin(i / (50 + 40 * (i % 3)))),
+    tubes: [],
   };
 }
 
@@ -83,7 +112,8 @@ function measure(): Promise<{ cpu: number[]; apart: number[] }> {
   document.body.append(stage.element);
   const view = new TwinView(stage, shape, new Legend());
   view.above(shape.ground);
-  view.show(new Set(splats === 0 ? ['skin', 'nodes', 'springs', 'shadow'] : ['skin', 'appearance', 'shadow']));
+  const drawn: TwinLayer[] = splats + triangles === 0 ? ['skin', 'nodes', 'springs', 'shadow'] : ['skin', 'appearance', 'shadow'];
+  view.show(new Set(drawn));
   stage.lookAt(shape.rest);
   const moved = shape.rest.slice();
   const result = { cpu: [] as number[], apart: [] as number[] };

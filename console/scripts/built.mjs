@@ -1,4 +1,5 @@
-// The built page as it is committed in `built/`: its files compressed, and a table of them for the server.
+// The built console as it is committed in `built/`: its files compressed, and a table of them for the server. Beside
+// them is the page of a single twin, which the server does not show but fills in for exports.
 
 import { readFileSync, readdirSync } from 'node:fs';
 import { extname, join } from 'node:path';
@@ -9,8 +10,12 @@ export const DIST = fileURLToPath(new URL('../dist/', import.meta.url));
 export const BUILT = fileURLToPath(new URL('../built/', import.meta.url));
 export const TABLE = 'files.rs';
 
-/** Most bytes of all files together, compressed. */
+/** The page of a single twin, a file of its own. */
+export const EMBED = 'embed.html';
+
+/** Most bytes of all files of the console together, and of the page of a twin, compressed. */
 export const MOST_BYTES = 350_000;
+export const MOST_EMBED_BYTES = 250_000;
 
 /** @type {Record<string, string>} */
 const MEDIA_TYPES = {
@@ -38,7 +43,7 @@ export function read(folder) {
  */
 export function pack(files) {
   const packed = new Map([...files].map(([name, content]) => [`${name}.gz`, compress(content)]));
-  packed.set(TABLE, Buffer.from(table([...files.keys()])));
+  packed.set(TABLE, Buffer.from(table([...files.keys()].filter((name) => name !== EMBED))));
   return packed;
 }
 

@@ -1,6 +1,7 @@
 // Measures the console in Chromium, which draws in software:
 //
 //   node scripts/measure.mjs picture [NODES POINTS]         time of a picture of so many moving nodes and skin points
+//   node scripts/measure.mjs surface [TRIANGLES NODES]      the same of a surface
 //   node scripts/measure.mjs splats [N NODES]               the same of splats, which get fewer where pictures are slow
 //   node scripts/measure.mjs playback URL CAPTURE           time of a picture of a playback, with the best twin
 //   node scripts/measure.mjs play URL TWIN [SECONDS]        time from an input to the picture that has it, and memory
@@ -22,11 +23,12 @@ const executablePath = process.env['BENDTWIN_CHROMIUM'] ?? '/usr/bin/chromium';
 const browser = await chromium.launch({ executablePath, args: [...ARGUMENTS, '--js-flags=--expose-gc'] });
 try {
   if (what === 'picture') await picture(Number(rest[0] ?? 10_000), Number(rest[1] ?? 5_000));
-  else if (what === 'splats') await picture(Number(rest[1] ?? 1_000), 0, Number(rest[0] ?? 20_000));
+  else if (what === 'surface') await picture(Number(rest[1] ?? 1_000), 0, { triangles: Number(rest[0] ?? 8_000) });
+  else if (what === 'splats') await picture(Number(rest[1] ?? 1_000), 0, { splats: Number(rest[0] ?? 20_000) });
   else if (what === 'playback' && rest[0] !== undefined && rest[1] !== undefined) await playback(rest[0], rest[1]);
   else if (what === 'play' && rest[0] !== undefined && rest[1] !== undefined) {
     await play(rest[0], rest[1], Number(rest[2] ?? 20));
-  } else throw new Error('say `picture`, `splats`, `playback URL CAPTURE` or `play URL TWIN`');
+  } else throw new Error('say `picture`, `surface`, `splats`, `playback URL CAPTURE` or `play URL TWIN`');
 } finally {
   await browser.close();
 }
@@ -34,19 +36,20 @@ try {
 /**
  * @param {number} nodes
  * @param {number} points
- * @param {number} splats
+ * @param {{ splats?: number, triangles?: number }} others
  */
-async function picture(nodes, points, splats = 0) {
+async function picture(nodes, points, { splats = 0, triangles = 0 } = {}) {
   const server = await createServer({ root: ROOT, logLevel: 'error', server: { port: 0, host: '127.0.0.1' } });
   await server.listen();
   const address = server.resolvedUrls?.local[0];
   const page = await browser.newPage({ viewport: { width: 1200, height: 800 } });
   const before = await work();
-  await page.goto(`${address}bench/index.html?nodes=${nodes}&points=${points}&splats=${splats}`);
+  await page.goto(`${address}bench/index.html?nodes=${nodes}&points=${points}&splats=${splats}&triangles=${triangles}`);
   const text = await page.locator('pre').textContent({ timeout: 120_000 });
   const after = await work();
   const { cpu, apart, drawn } = JSON.parse(text ?? '');
-  const subject = splats === 0 ? `${points} points of skin` : `${splats} splats, at the end ${drawn}`;
+  const subject = splats > 0 ? `${splats} splats, at the end ${drawn}`
+    : triangles > 0 ? `a surface of ${triangles} triangles` : `${points} points of skin`;
   console.log(`${nodes} nodes, ${subject}, ${cpu.length} pictures`);
   console.log(`JavaScript per picture: ${quantiles(cpu)}`);
   console.log(`between pictures: ${quantiles(apart)}, ${(1000 / mean(apart)).toFixed(1)} a second`);

@@ -2,7 +2,7 @@
 
 import { mkdirSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
-import { BUILT, DIST, MOST_BYTES, pack, read, unpack } from './built.mjs';
+import { BUILT, DIST, EMBED, MOST_BYTES, MOST_EMBED_BYTES, pack, read, unpack } from './built.mjs';
 
 const packed = pack(read(DIST));
 const different = names();
@@ -38,11 +38,23 @@ function check() {
 
 function weigh() {
   const files = [...packed].filter(([name]) => name.endsWith('.gz'));
+  const isEmbed = (/** @type {[string, Buffer]} */ [name]) => name === `${EMBED}.gz`;
+  const fits = weighFiles('console', files.filter((file) => !isEmbed(file)), MOST_BYTES);
+  if (!weighFiles('page of a twin', files.filter(isEmbed), MOST_EMBED_BYTES) || !fits) process.exit(1);
+}
+
+/**
+ * Says how large files are; false, with a list of them, if they are too large together.
+ * @param {string} what
+ * @param {[string, Buffer][]} files
+ * @param {number} most
+ */
+function weighFiles(what, files, most) {
   const bytes = files.reduce((sum, [, content]) => sum + content.length, 0);
-  console.log(`${files.length} files, ${bytes} bytes compressed, ${MOST_BYTES} at most`);
-  if (bytes <= MOST_BYTES) return;
+  console.log(`${what}: ${files.length} files, ${bytes} bytes compressed, ${most} at most`);
+  if (bytes <= most) return true;
   for (const [name, content] of files.sort(([, a], [, b]) => b.length - a.length)) {
     console.error(`${String(content.length).padStart(8)} ${name}`);
   }
-  process.exit(1);
+  return false;
 }

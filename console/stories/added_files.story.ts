@@ -22,7 +22,7 @@ describe('files that are added to a recording', () => {
   it('are masks of another tool, which take effect when it is read again, and are removed', async () => {
     const visit = await Visit.open(browser, server, { at: `/${capture}` });
     const { page } = visit;
-    await page.getByText('MASKS_MISSING').first().waitFor();
+    await page.locator('.findings').getByText('MASKS_MISSING').waitFor();
     await page.getByRole('link', { name: /guide/ }).first().waitFor();
     await page.getByText('First images').waitFor();
     await page.getByText(/^What was read/).click();

@@ -124,10 +124,11 @@ describe('fits and twins', () => {
     await page.getByRole('checkbox').nth(1).waitFor();
     for (const index of [0, 1]) await page.getByRole('checkbox').nth(index).check();
     await visit.stop('twins');
-    await page.getByRole('link', { name: 'Compare 2' }).click();
+    await page.getByRole('link', { name: 'Compare' }).click();
     await visit.heading('Compare twins');
     await page.getByText(/two starts \(\d\)\u2069 is better|No difference between/).waitFor();
     await page.getByRole('rowheader', { name: 'effort' }).waitFor();
+    expect(await page.locator('.best').count()).toBeGreaterThan(0);
     await visit.stop('twins-compared');
     await visit.go('/fits');
     for (const index of [0, 1])
@@ -147,6 +148,7 @@ describe('fits and twins', () => {
     const { twins } = await call<{ twins: { name: string }[] }>(server, 'GET', '/v1/twins');
     const visit = await Visit.open(browser, server, { at: `/${twins[0]?.name ?? ''}` });
     const { page } = visit;
+    await looked(visit);
     await page.getByRole('button', { name: 'Edit name, note and tags' }).click();
     await page.getByLabel('Name', { exact: true }).fill('blue rope');
     await page.getByLabel('Note', { exact: true }).fill('two lines\nof a note');
@@ -158,7 +160,8 @@ describe('fits and twins', () => {
     await page.getByRole('button', { name: 'Save' }).click();
     await visit.heading('blue rope');
     const download = page.waitForEvent('download');
-    await page.getByRole('link', { name: 'Download the file' }).click();
+    await page.getByRole('button', { name: 'Export' }).click();
+    await page.getByRole('link', { name: 'Twin file' }).click();
     const path = await (await download).path();
     await page.getByRole('link', { name: 'wet' }).click();
     await visit.heading('Twins');
@@ -175,3 +178,27 @@ describe('fits and twins', () => {
     await visit.close();
   });
 });
+
+/** Finds on the page of a twin what it looks like, why it is no better, its GLB, and how Python uses it. */
+async function looked(visit: Visit): Promise<void> {
+  const { page } = visit;
+  await page.locator('.twin-picture canvas').waitFor();
+  await page.locator('.verdict').getByText(/^Off by [\d.]+ mm \(tracks\) on frames/).waitFor();
+  const why = page.getByRole('region', { name: 'Why this verdict' });
+  await why.getByRole('row', { name: /^Size of the object [\d.]+ mm/ }).waitFor();
+  await visit.stop('twin');
+  const button = page.getByRole('button', { name: 'Export' });
+  await button.click();
+  const glb = page.getByRole('link', { name: 'GLB' });
+  expect(await glb.getAttribute('href')).toMatch(/^\/v1\/twins\/[0-9a-f-]+\/export\?format=glb$/);
+  await page.keyboard.press('ArrowDown');
+  expect(await glb.evaluate((link) => link === document.activeElement)).toBe(true);
+  await visit.stop('twin-export');
+  await page.keyboard.press('Escape');
+  await glb.waitFor({ state: 'hidden' });
+  expect(await button.evaluate((own) => own === document.activeElement)).toBe(true);
+  await page.getByRole('button', { name: 'Use in Python' }).click();
+  await page.getByRole('dialog').getByText('twin = client.twin("twins/').waitFor();
+  await visit.stop('twin-python');
+  await page.getByRole('button', { name: 'Close' }).click();
+}

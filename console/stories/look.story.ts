@@ -75,6 +75,32 @@ describe('the look of a twin', () => {
     await visit.close();
   });
 
+  it('is that of its surface in an image of the recording, until the view is turned', async () => {
+    const visit = await Visit.open(browser, server, { at: `/twins/${twin}/view?layers=skin,shadow` });
+    const { page } = visit;
+    await page.getByText('Background', { exact: true }).click();
+    const background = page.getByRole('combobox', { name: 'Background' });
+    const ofCamera = background.locator('option[value="camera-0"]');
+    await ofCamera.waitFor({ state: 'attached' });
+    const before = await settled(page);
+    await background.selectOption('camera-0');
+    await expect.poll(() => page.locator('.ground-scale').isVisible()).toBe(false);
+    const image = await settled(page);
+    expect(changed(before, image, 30).length).toBeGreaterThan(0.5 * image.width * image.height);
+    await visit.stop('look-photograph');
+    // The address names the image.
+    await page.getByRole('button', { name: 'Copy link' }).click();
+    expect(page.url()).toContain('background=camera-0');
+    await page.reload();
+    await page.locator('canvas').waitFor();
+    await expect.poll(async () => changed(image, await settled(page), 30).length).toBeLessThan(500);
+    await page.locator('canvas').focus();
+    await page.keyboard.press('ArrowLeft');
+    await page.locator('.ground-scale').waitFor();
+    await expect.poll(() => background.inputValue()).toBe('grid');
+    await visit.close();
+  });
+
   it('is played back beside the recording', async () => {
     const at = `/${capture}/playback?frame=2&twin=${twin}&springs=0&observed=0&controls=0`;
     const visit = await Visit.open(browser, server, { at });

@@ -15,7 +15,7 @@ describe('the pages of captures, fits and twins', () => {
   let addresses: string[] = [];
   beforeAll(async () => {
     const capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), NAME);
-    const settings = { effort: 'draft', search: { generations: 2 }, refine: { passes: 4 } };
+    const settings = { effort: 'draft', search: { generations: 1 }, refine: { passes: 1 } };
     for (const seed of [1, 2]) await call(server, 'POST', '/v1/fits', { capture, settings: { ...settings, seed } });
     const broken = await call<{ name: string }>(
       server,
@@ -73,7 +73,7 @@ describe('the pages of captures, fits and twins', () => {
     await visit.page.getByRole('heading', { level: 1 }).getByText(NAME).waitFor();
     await visit.stop('hostile-capture');
     await visit.go(addresses[2] ?? '');
-    await visit.page.getByRole('alert').waitFor();
+    await visit.page.getByText('This capture cannot be fitted').waitFor();
     await visit.stop('capture-broken');
     await visit.close();
   });
@@ -105,6 +105,7 @@ describe('the pages of captures, fits and twins', () => {
     await tabTo(visit, /^Fit /);
     await keyboard.press('Enter');
     await visit.heading('Start a fit');
+    await page.getByRole('button', { name: 'Start the fit' }).waitFor();
     await tabTo(visit, /^Name/);
     await keyboard.type('by keyboard');
     await tabTo(visit, /Standard/);
@@ -133,6 +134,51 @@ describe('the pages of captures, fits and twins', () => {
     await keyboard.press('Escape');
     await page.getByRole('dialog').waitFor({ state: 'detached' });
     await tabTo(visit, /^Delete/);
+    await visit.close();
+  });
+
+  it('let several captures be tagged and deleted, and one be searched', async () => {
+    const visit = await Visit.open(browser, server, { at: '/fits/new' });
+    const { page } = visit;
+    const field = page.getByRole('combobox', { name: 'Capture' });
+    await field.fill('onerror');
+    const options = page.getByRole('listbox', { name: 'Capture' }).getByRole('option');
+    await expect.poll(() => options.count()).toBe(2);
+    await visit.stop('fit-capture-choice');
+    // The newer one is broken: it says why, and is not chosen.
+    expect(await options.nth(0).getAttribute('aria-disabled')).toBe('true');
+    await options.nth(0).getByText('cannot be fitted').waitFor();
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('Enter');
+    expect(await options.count()).toBe(2);
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('Enter');
+    await expect.poll(() => field.inputValue()).toBe(NAME.trim());
+    expect(await options.count()).toBe(0);
+    await visit.go('/captures');
+    await page.getByText('2 captures', { exact: true }).waitFor();
+    await page.getByRole('cell', { name: 'mm' }).waitFor();
+    for (const box of await page.getByRole('checkbox').all()) await box.check();
+    const bar = page.getByRole('region', { name: 'Selection' });
+    await bar.getByText('2 captures selected').waitFor();
+    await bar.getByRole('button', { name: 'Add tags' }).click();
+    await bar.getByLabel('Tags to add').fill('together');
+    await visit.stop('captures-selected');
+    await page.keyboard.press('Enter');
+    await expect.poll(() => page.getByRole('link', { name: 'together' }).count()).toBe(2);
+    await expect.poll(() => bar.isVisible()).toBe(false);
+    await page.getByLabel('State').selectOption('unusable');
+    await page.getByText('1 capture', { exact: true }).waitFor();
+    await page.getByRole('checkbox').check();
+    await bar.getByRole('button', { name: 'Delete' }).click();
+    await page.getByRole('dialog').getByText('Delete this capture?').waitFor();
+    await page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
+    await page.getByText('No capture matches.').waitFor();
+    await visit.go(addresses[1] ?? '');
+    await page.getByRole('button', { name: 'Delete' }).click();
+    await page.getByRole('dialog').getByText(/^\d twins and \d fits depend on it\./).waitFor();
+    await visit.stop('capture-delete');
+    await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
     await visit.close();
   });
 });

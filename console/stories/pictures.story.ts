@@ -96,15 +96,15 @@ function seenStates(page: Page): () => number {
   return () => last;
 }
 
-/** The right end of the rope, which is blue, in pixels of the page. */
+/** The right end of the rope, which is red and yellow, in pixels of the page. */
 async function endOfRope(page: Page): Promise<Place> {
   const picture = await pictureOf(page);
   const { x, y } = (await page.locator('.stage canvas').boundingBox())!;
-  const isBlue = Array.from({ length: picture.width * picture.height }, (_, i) => i).filter((i) => {
-    const [red, , blue] = colourAt(picture, i);
-    return blue - red > 60;
+  const isRope = Array.from({ length: picture.width * picture.height }, (_, i) => i).filter((i) => {
+    const [red, green, blue] = colourAt(picture, i);
+    return red - blue > 50 && green - blue > 20;
   });
-  const end = isBlue.reduce((best, i) => (i % picture.width > best % picture.width ? i : best));
+  const end = isRope.reduce((best, i) => (i % picture.width > best % picture.width ? i : best));
   // A little inside of it.
   return [x + (end % picture.width) - 6, y + Math.floor(end / picture.width)];
 }

@@ -1,7 +1,10 @@
 import { readFileSync } from 'node:fs';
 import type { Download, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
+import type { Api } from '../src/api/client';
+import { openTwinFile } from '../src/api/twin_file';
 import { lift, middle } from './kit/drag';
+import { changed, distance, mean, settled, type Colour } from './kit/pixels';
 import { fittedRope } from './kit/rope';
 import { browser, server, withServer } from './kit/server';
 import { Visit, type VisitOptions } from './kit/visit';
@@ -23,7 +26,7 @@ describe('the playground', () => {
   it('lets one drag the rope at once, and drop it', async () => {
     const visit = await play();
     const { page } = visit;
-    await page.getByText('Drag the object or an orange hand').waitFor();
+    await page.getByText('Drag the object or a gripper').waitFor();
     await visit.stop('play');
     const [x, y] = await middle(page);
     await page.mouse.move(x, y);
@@ -32,8 +35,11 @@ describe('the playground', () => {
     await page.mouse.move(x + 20, y - 150, { steps: 20 });
     // The pointer pulls at the object: there is an arrow with a number.
     await page.locator('.force-labels span').first().waitFor();
+    // It is stretched more than when it was recorded, which is seen and said.
+    await page.getByText(/^Stretched [\d.]+ times beyond anything recorded.*: do not trust this\.$/).first().waitFor();
+    await page.getByText('beyond anything recorded', { exact: true }).waitFor();
     await visit.stop('play-grasp');
-    expect(await page.getByText('Drag the object or an orange hand').isVisible()).toBe(false);
+    expect(await page.getByText('Drag the object or a gripper').isVisible()).toBe(false);
     await page.mouse.up();
     await page.getByText('Pointer 1 holds').waitFor({ state: 'hidden' });
     await page.getByRole('button', { name: 'Drop: Hand 1' }).click();
@@ -217,6 +223,24 @@ describe('the playground', () => {
     await visit.close();
   });
 
+  it('gives the picture all the room there is', async () => {
+    const visit = await play();
+    const { page } = visit;
+    const width = async (): Promise<number> => (await page.locator('.stage').boundingBox())!.width;
+    const before = await width();
+    await page.getByRole('button', { name: 'Hide panels' }).click();
+    expect(await width()).toBeGreaterThan(before + 300);
+    await page.getByText('Hands and pointers').waitFor({ state: 'hidden' });
+    await page.getByRole('button', { name: 'Full screen' }).click();
+    await page.getByRole('button', { name: 'Full screen', pressed: true }).waitFor();
+    await visit.stop('play-full-screen');
+    await page.getByRole('button', { name: 'Full screen' }).click();
+    await page.getByRole('button', { name: 'Full screen', pressed: false }).waitFor();
+    await page.getByRole('button', { name: 'Show panels' }).click();
+    await page.getByText('Hands and pointers').waitFor();
+    await visit.close();
+  });
+
   it('fits a small screen', async () => {
     const options = { at: `/twins/${twin}/play`, viewport: { width: 360, height: 740 }, colorScheme: 'dark' } as const;
     const visit = await Visit.open(browser, server, options);
@@ -226,12 +250,20 @@ describe('the playground', () => {
     await visit.close();
   });
 
-  it('shows springs and triplets of a twin at rest', async () => {
+  it('shows the surface, springs and triplets of a twin at rest', async () => {
     const visit = await Visit.open(browser, server, { at: `/twins/${twin}/view` });
     const { page } = visit;
+    const skin = page.getByRole('checkbox', { name: 'Skin' });
+    const surface = await settled(page);
+    await visit.stop('view-surface');
+    await skin.uncheck();
+    const pixels = changed(surface, await settled(page), 60);
+    // A surface in the colours of the rope, of which parts are seen more than others, and none in one colour of its own.
+    expect(pixels.length).toBeGreaterThan(3000);
+    expect(distance(mean(surface, pixels), await coloursOf(twin))).toBeLessThan(90);
+    await page.getByRole('checkbox', { name: 'Springs' }).check();
     await page.getByRole('checkbox', { name: 'Bending triplets' }).check();
-    await page.getByRole('checkbox', { name: 'Skin' }).uncheck();
-    expect(new URLSearchParams(page.url().split('?')[1]).get('layers')).toBe('appearance,springs,shadow,triplets');
+    expect(new URLSearchParams(page.url().split('?')[1]).get('layers')).toBe('appearance,shadow,springs,triplets');
     await page.getByRole('combobox', { name: 'Colour by' }).selectOption('stiffness');
     await page.getByText('Stiffness of springs').waitFor();
     expect(page.url()).toContain('colour=stiffness');
@@ -260,6 +292,16 @@ describe('the playground', () => {
     await visit.close();
   });
 });
+
+/** Mean colour of the vertices of a twin's surface. */
+async function coloursOf(twin: string): Promise<Colour> {
+  const api = { fetch: (path: string, init: RequestInit) => fetch(server.url + path, init) } as unknown as Api;
+  const { tensors, read } = await openTwinFile(api, twin, new AbortController().signal);
+  const colours = await read(...tensors.get('surface.color')!.data_offsets);
+  const data = new Uint8ClampedArray((4 * colours.length) / 3).map((_, i) => (i % 4 === 3 ? 255 : colours[3 * (i >> 2) + (i % 4)]!));
+  const pixels = Array.from({ length: data.length / 4 }, (_, i) => i);
+  return mean({ width: pixels.length, height: 1, data }, pixels);
+}
 
 /** The link of the moment. */
 async function link(page: Page): Promise<string> {

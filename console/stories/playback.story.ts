@@ -33,7 +33,7 @@ describe('the playback', () => {
   it('shows points and what cameras saw, frame by frame, and links to a moment', async () => {
     const visit = await Visit.open(browser, server, { at: `/captures/${capture}` });
     const { page } = visit;
-    await page.getByRole('link', { name: 'Play back' }).first().click();
+    await page.getByRole('link', { name: 'Play the recording' }).click();
     await visit.heading('Playback of a toy');
     await page.getByText('Camera made0').waitFor();
     await expect.poll(() => isDrawn(page)).toBe(true);

@@ -1,4 +1,4 @@
-import { readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { cpSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join, relative } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
@@ -33,7 +33,10 @@ describe('uploads', () => {
     await drop(visit.page, [rope, toy], () => visit.stop('upload-drop'));
     await visit.heading('Upload');
     const rows = visit.page.getByRole('list', { name: 'Uploads' }).getByRole('listitem');
-    await expect.poll(() => rows.getByText('uploaded', { exact: true }).count()).toBe(2);
+    // What has arrived is not called good before it was read.
+    await expect.poll(() => rows.getByText('good', { exact: true }).count()).toBe(2);
+    await rows.getByText('This recording is good: nothing limits a fit.').waitFor();
+    await rows.getByText('Raw recording, 2 cameras').waitFor();
     // The film that nobody reads stays here.
     await visit.page.getByText('1 other file not needed and left out').waitFor();
     await visit.stop('upload-done');
@@ -43,6 +46,7 @@ describe('uploads', () => {
     await rows.filter({ hasText: 'toy' }).getByRole('link', { name: 'Open the capture' }).click();
     await visit.heading('toy');
     await visit.page.getByText('This recording is good').waitFor();
+    await expect.poll(() => visit.page.locator('.timelines canvas').count()).toBeGreaterThan(4);
     await visit.page.getByRole('heading', { name: 'Pictures' }).scrollIntoViewIfNeeded();
     await expect
       .poll(() =>
@@ -52,6 +56,31 @@ describe('uploads', () => {
       )
       .toBe(true);
     await visit.stop('capture');
+    // A frame that is clicked is played.
+    await visit.page.locator('.timelines .u-over').nth(1).click({ position: { x: 300, y: 30 } });
+    await visit.heading('Playback of toy');
+    expect(new URL(visit.page.url()).hash).toMatch(/playback\?frame=\d+/);
+    await visit.close();
+  });
+
+  it('of recordings that lack something show what, and wait; their verdict is on the card', async () => {
+    const plain = join(files, 'plain');
+    cpSync(toy, plain, { recursive: true, filter: (path) => !/mask|film/.test(path) });
+    const visit = await Visit.open(browser, server, { at: '/upload' });
+    const { page } = visit;
+    await page.getByLabel('Choose a folder').setInputFiles(plain);
+    const offer = page.getByRole('list', { name: 'Ready to upload' }).getByRole('listitem');
+    await offer.getByText('no masks', { exact: true }).waitFor();
+    await offer.getByText('you can mark the object and the hand after the upload').waitFor();
+    await visit.stop('upload-survey');
+    await offer.getByRole('button', { name: 'Upload plain' }).click();
+    const row = page.getByRole('list', { name: 'Uploads' }).getByRole('listitem');
+    await row.getByText('unusable', { exact: true }).waitFor();
+    await row.getByText('This recording cannot be fitted: no camera has a mask').waitFor();
+    await visit.stop('upload-unusable');
+    await row.getByRole('link', { name: 'See what to do' }).click();
+    await visit.heading('plain');
+    await page.getByRole('link', { name: 'Mark the object and the hand' }).first().waitFor();
     await visit.close();
   });
 
@@ -60,7 +89,7 @@ describe('uploads', () => {
     const before = (await all()).length;
     await visit.page.getByLabel('Choose files').setInputFiles(rope);
     const row = visit.page.getByRole('list', { name: 'Uploads' }).getByRole('listitem');
-    await row.getByText(/^(uploaded|already exists)$/).waitFor();
+    await row.getByText(/^(good|already exists)$/).first().waitFor();
     await visit.page.getByRole('button', { name: 'Clear' }).click();
     await visit.page.getByLabel('Choose files').setInputFiles(rope);
     await row.getByText('already exists').waitFor();
@@ -73,7 +102,17 @@ describe('uploads', () => {
     const chosen = { name: 'film.mp4', mimeType: 'video/mp4', buffer: Buffer.from('no archive at all') };
     await visit.page.getByLabel('Choose files').setInputFiles(chosen);
     await visit.page.getByText('film.mp4 is not a capture: send a folder').waitFor();
+    const program = { name: 'setup.zip', mimeType: 'application/zip', buffer: Buffer.from('MZ\x90') };
+    await visit.page.getByLabel('Choose files').setInputFiles(program);
+    await visit.page.getByText('setup.zip is a Windows program, not a capture').waitFor();
+    // A refusal stays until it was read.
+    await visit.go('/captures');
+    await visit.heading('Captures');
+    await visit.go('/upload');
+    await visit.page.getByText('film.mp4 is not a capture').waitFor();
     await visit.stop('upload-refused');
+    await visit.page.getByRole('button', { name: /^Dismiss: film/ }).click();
+    await expect.poll(() => visit.page.getByText(/is not a capture|not a capture:/).count()).toBe(1);
     await visit.close();
   });
 
@@ -109,7 +148,7 @@ describe('uploads', () => {
     await row.getByText('uploading', { exact: true }).waitFor();
     await expect.poll(offset).toBeGreaterThanOrEqual(before);
     await slow(page, -1);
-    await row.getByText('uploaded', { exact: true }).waitFor({ timeout: 600_000 });
+    await row.getByText(/^(uploaded|waits|reading|good)$/).first().waitFor({ timeout: 600_000 });
     const stored = (await all()).filter(({ display_name }) => display_name === 'long');
     expect(stored).toMatchObject([{ note: 'left hand', tags: ['slow', 'wet'], size_bytes: statSync(archive).size }]);
     expect(await page.evaluate(() => localStorage.getItem('bendtwin.uploads'))).toBe('[]');
@@ -139,6 +178,9 @@ describe('uploads', () => {
     await visit.page
       .getByLabel('Choose files')
       .setInputFiles({ name: 'other.zip', mimeType: 'application/zip', buffer });
+    // Of a damaged archive is not known what it has.
+    await visit.page.getByText('It seems to be damaged or cut off').waitFor();
+    await visit.page.getByRole('button', { name: 'Upload other' }).click();
     const row = visit.page.getByRole('list', { name: 'Uploads' }).getByRole('listitem');
     await row.getByText('uploading', { exact: true }).waitFor();
     await row.getByRole('button', { name: 'Cancel other' }).click();

@@ -25,7 +25,7 @@ pub(crate) use refusals::{Refusals, Refused};
 pub use scopes::Scope;
 pub(crate) use scopes::{Grant, Scopes};
 pub use table::{Access, TABLE};
-pub(crate) use table::{find, is_open, route_name};
+pub(crate) use table::{PAGES, find, is_open, route_name};
 pub(crate) use tokens::{Bearer, Child, Tokens};
 
 /// The owner of what is made with the client token.

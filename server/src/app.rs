@@ -5,7 +5,6 @@
 
 mod captures;
 mod fits;
-mod geometry;
 mod ingests;
 mod jobs;
 mod keys;
@@ -53,7 +52,6 @@ pub(crate) use crate::{
 };
 
 pub(crate) use fits::FitOrder;
-pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{LeasedJob, News, Offer};
 use keys::usage::KnownUsage;
@@ -66,6 +64,8 @@ pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
 pub(crate) use rights::{name, name_of_worker, whole_name};
 pub(crate) use sweeps::Sweeps;
+use twins::Drawing;
+pub(crate) use twins::{Exported, Geometry, Shown, SurfaceReply};
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
 use workers::Members;
 
@@ -94,6 +94,7 @@ pub(crate) struct Inner {
     readiness: Readiness,
     stored_numbers: StoredNumbers,
     memory: Memory,
+    drawing: Drawing,
     plays: Plays,
     members: Members,
     known_usage: KnownUsage,
@@ -145,6 +146,7 @@ impl App {
             readiness: Readiness::default(),
             stored_numbers: StoredNumbers::default(),
             memory,
+            drawing: Drawing::default(),
             plays: Plays::new(options.limits.plays(), stopping.clone()),
             stopping,
             certificates,

@@ -52,6 +52,11 @@ pub(crate) enum Error {
     #[error("{0}")]
     #[problem(InvalidArgument, "FIT_OUT_OF_MEMORY")]
     FitTooLarge(String),
+    #[error("{0} has too few points for a surface or a picture: use its nodes")]
+    #[problem(NotFound, "SURFACE_MISSING")]
+    NoSurface(String),
+    #[error(transparent)]
+    Export(#[from] bendtwin_exchange::Error),
     #[error(transparent)]
     TwinFile(#[from] bendtwin_core::twin::format::FormatError),
     #[error("the upload was interrupted: {0}")]

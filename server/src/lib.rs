@@ -35,6 +35,7 @@ mod service;
 mod sign_in;
 mod supervise;
 mod tls;
+mod twin_page;
 
 /// Check, repair and backup of a data folder.
 pub use bendtwin_store::{DatabaseUrl, ObjectsUrl, maintenance};
@@ -50,3 +51,4 @@ pub use supervise::{
     BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SCRATCH_VARIABLE, SERVER_VARIABLE,
     TOKEN_VARIABLE,
 };
+pub use twin_page::twin_page_template;

@@ -6,7 +6,7 @@ pub(crate) mod requirements;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    access::{admin, key, login, project},
+    access::{admin, console, key, login, project},
     bench, ca, capture, demo, doctor, eval, fit,
     global::Global,
     logging, rollout,
@@ -52,6 +52,8 @@ pub(crate) enum Command {
     Trash(trash::Trash),
     /// Rules by which the server deletes by itself: list, make, delete, preview
     Retention(trash::retention::Retention),
+    /// Open the console of a server in a browser, logged in
+    Console(console::Console),
     /// Sign in at a server with your organisation's identity provider
     Login(login::Login),
     /// Sign out of a server

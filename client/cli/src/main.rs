@@ -101,6 +101,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Retention(args) => trash::retention::run(args, global).await,
         Command::Login(args) => access::login::log_in(args, global).await,
         Command::Logout => access::login::log_out(global).await,
+        Command::Console(args) => access::console::run(args, global).await,
         Command::Whoami => access::login::who_am_i(global).await,
         Command::Key(args) => access::key::run(args, global).await,
         Command::Project(args) => access::project::run(args, global).await,

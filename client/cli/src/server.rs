@@ -3,7 +3,10 @@
 pub(crate) mod healthcheck;
 mod options;
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::IsTerminal as _,
+    path::{Path, PathBuf},
+};
 
 use anyhow::Context as _;
 use bendtwin_backends as backends;
@@ -12,7 +15,10 @@ use bendtwin_server::Service;
 use clap::Args;
 use serde::Serialize;
 
-use crate::{failure, logging, output, signals};
+use crate::{
+    access::console::{local, login_address},
+    failure, logging, output, signals,
+};
 
 /// Options of the server. Flags take precedence over the environment, that over the file, and that
 /// over the defaults.
@@ -217,7 +223,8 @@ pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Res
         write_port(path, address.port())?;
     }
     output::line(&format!(
-        "BendTwin answers HTTP and gRPC at {scheme}://{address} ({workers} workers, data in {data_dir}; console at {scheme}://{address}, API at {scheme}://{address}/docs)"
+        "BendTwin answers HTTP and gRPC at {scheme}://{address} ({workers} workers, data in {data_dir}; console at {scheme}://{address}, API at {scheme}://{address}/docs). {}",
+        console_hint(&format!("{scheme}://{}", local(address)), client_token.as_deref())
     ))?;
     if let Some(address) = handle.worker_tls_addr() {
         output::line(&format!("Workers on other hosts reach it at https://{address}"))?;
@@ -228,6 +235,16 @@ pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Res
         token::withdraw(address.port(), &shown);
     }
     Ok(())
+}
+
+/// Where to look first. A token is shown to a person at a terminal, not to a log.
+fn console_hint(url: &str, token: Option<&str>) -> String {
+    match token {
+        Some(_) if !std::io::stdout().is_terminal() => {
+            "`bendtwin console` opens the console, logged in".to_owned()
+        }
+        token => format!("Open the console: {}", login_address(url, "/", token)),
+    }
 }
 
 /// Writes the whole file or nothing: a reader that waits for it must not read half a number.

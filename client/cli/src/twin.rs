@@ -11,6 +11,7 @@ use std::path::Path;
 
 use bendtwin_client::{CaptureId, ListQuery, TwinId};
 use bendtwin_core::quality::ErrorSummary;
+use bendtwin_core::quality::Level;
 use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
 use serde_json::json;
@@ -36,6 +37,9 @@ enum Command {
         /// List only twins of this capture
         #[arg(long, value_name = "NAME")]
         capture: Option<CaptureId>,
+        /// List only twins with this level of trust: good, fair, poor or unknown
+        #[arg(long, value_parser = level)]
+        level: Option<Level>,
         #[command(flatten)]
         choice: Choice,
     },
@@ -79,10 +83,15 @@ enum Command {
     },
 }
 
+fn level(word: &str) -> Result<Level, String> {
+    let found = Level::ALL.into_iter().find(|level| level.as_str() == word);
+    found.ok_or_else(|| format!("must be one of {}", Level::ALL.map(Level::as_str).join(", ")))
+}
+
 pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
     match args.command {
-        Command::List { capture, choice } => {
-            let query = ListQuery { capture, ..choice.query() };
+        Command::List { capture, level, choice } => {
+            let query = ListQuery { capture, level, ..choice.query() };
             let list = global.connect().await?.twins().all(&query).await?;
             output::print(global, &list, || {
                 let header = ["NAME", "CREATED", "NODES", "TRACK", "CD", "OWNER", "WHAT"];

@@ -1,6 +1,6 @@
 //! What people state about captures, fits and twins, and lists that are searched and ordered by it.
 
-use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
+use bendtwin_core::{ids::CaptureId, quality::Level, settings::ingest::IngestSettings};
 use bendtwin_proto::v1::{ListCapturesRequest, UpdateCaptureRequest};
 use prost_types::FieldMask;
 use serde::Serialize;
@@ -221,6 +221,8 @@ pub struct ListQuery {
     pub capture: Option<CaptureId>,
     /// A state, of fits.
     pub state: Option<JobState>,
+    /// A level of trust, of twins.
+    pub level: Option<Level>,
     /// The order.
     pub order: Order,
     /// The page; calls for all pages ignore it.
@@ -235,6 +237,10 @@ impl ListQuery {
 
     pub(crate) fn capture_name(&self) -> String {
         self.capture.map(|c| c.to_string()).unwrap_or_default()
+    }
+
+    pub(crate) fn level_word(&self) -> String {
+        self.level.map(Level::as_str).unwrap_or_default().to_owned()
     }
 }
 

@@ -1,12 +1,13 @@
 //! Fitted twins.
 
 mod geometry;
+mod surface;
 
-use bendtwin_core::{Twin as TwinModel, ids::TwinId};
+use bendtwin_core::{Surface, Twin as TwinModel, ids::TwinId};
 use bendtwin_proto::v1::{
     CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
-    GetTwinRequest, ListTwinsRequest, TwinMetadata, UpdateTwinRequest, create_twin_request::Part,
-    twin_service_client::TwinServiceClient,
+    GetTwinRequest, GetTwinSurfaceRequest, ListTwinsRequest, TwinMetadata, UpdateTwinRequest,
+    create_twin_request::Part, twin_service_client::TwinServiceClient,
 };
 use bytes::Bytes;
 use uuid::Uuid;
@@ -48,8 +49,8 @@ impl Twins {
     /// # Errors
     /// If the query is not allowed, or the server cannot be asked.
     pub async fn list(&self, query: ListQuery) -> Result<Page<Twin>, Error> {
-        let capture = query.capture_name();
-        let request = list_request!(ListTwinsRequest { capture }, query);
+        let (capture, level) = (query.capture_name(), query.level_word());
+        let request = list_request!(ListTwinsRequest { capture, level }, query);
         let reply = self.service.clone().list_twins(request).await?.into_inner();
         Page::new(reply.twins, reply.next_page_token, Twin::try_from)
     }
@@ -78,6 +79,15 @@ impl Twins {
     pub async fn geometry(&self, name: TwinId) -> Result<Geometry, Error> {
         let request = GetTwinGeometryRequest { name: name.to_string() };
         self.service.clone().get_twin_geometry(request).await?.into_inner().try_into()
+    }
+
+    /// The surface of a twin for the eye, which its file need not have.
+    ///
+    /// # Errors
+    /// If the twin does not exist or has too few points, or the server cannot be asked.
+    pub async fn surface(&self, name: TwinId) -> Result<Surface, Error> {
+        let request = GetTwinSurfaceRequest { name: name.to_string() };
+        surface::read(self.service.clone().get_twin_surface(request).await?.into_inner())
     }
 
     /// Moves a twin to the trash.

@@ -317,6 +317,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/captures/{id}/thumbnail": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A small picture of a capture
+         * @description The first image of its first camera, in its own size, or its points on a transparent background.
+         */
+        get: operations["GetCaptureThumbnail"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/captures/{id}/undelete": {
         parameters: {
             query?: never;
@@ -1052,6 +1072,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/twins/{id}/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Download a twin in the format of another program
+         * @description The twin at rest, as `bendtwin twin export` writes it (docs/formats/exchange.md): the surface in formats of programs that show it, and else the nodes.
+         */
+        get: operations["ExportTwinAs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/twins/{id}/geometry": {
         parameters: {
             query?: never;
@@ -1146,6 +1186,46 @@ export interface paths {
          * @description Like RollOut, with the reply in parts as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of a result may differ from those of RollOut, because they depend on the number of instances simulated together; on the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
          */
         post: operations["StreamRollOut"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/surface": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get twin surface
+         * @description The surface of a twin for the eye: a closed triangle mesh in the object's colours, or tubes along cables. It is made here for a twin whose file has none.
+         */
+        get: operations["GetTwinSurface"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/thumbnail": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A small picture of a twin
+         * @description Its surface at rest in its colours, on a transparent background.
+         */
+        get: operations["GetTwinThumbnail"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -2071,10 +2151,20 @@ export interface components {
             captures: components["schemas"]["Capture"][];
             /** @description Empty on the last page. */
             next_page_token: string;
+            /**
+             * Format: int64
+             * @description Number of captures that match the filters, counted up to 10,000. Only on the first page.
+             */
+            total_size?: number;
         };
         ListFitsResponse: {
             fits: components["schemas"]["Fit"][];
             next_page_token: string;
+            /**
+             * Format: int64
+             * @description Number of fits that match the filters, counted up to 10,000. Only on the first page.
+             */
+            total_size?: number;
         };
         ListKeysResponse: {
             keys: components["schemas"]["Key"][];
@@ -2111,6 +2201,11 @@ export interface components {
         };
         ListTwinsResponse: {
             next_page_token: string;
+            /**
+             * Format: int64
+             * @description Number of twins that match the filters, counted up to 10,000. Only on the first page.
+             */
+            total_size?: number;
             twins: components["schemas"]["Twin"][];
         };
         ListWorkersResponse: {
@@ -3260,6 +3355,24 @@ export interface components {
             /** @description FLOAT32 [K]; the weights of a point sum to 1. */
             weights?: components["schemas"]["Tensor"];
         };
+        TwinSurface: {
+            /** @description The V vertices, carried as skin points are. */
+            carriers?: components["schemas"]["TwinGeometry.Skin"];
+            /** @description Colours as in images (sRGB), UINT8 [V, 3]. Empty: unknown. */
+            colors?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Number of the twin's nodes.
+             */
+            node_count: number;
+            /** @description Corners, counter-clockwise seen from outside, UINT32 [F, 3]. */
+            triangles?: components["schemas"]["Tensor"];
+            tube_nodes?: components["schemas"]["Tensor"];
+            /** @description FLOAT32 [tubes], metres. */
+            tube_radii?: components["schemas"]["Tensor"];
+            /** @description Nodes of the tubes, one tube after another: UINT32 [tubes + 1] offsets into UINT32 [..] nodes. The last node of a closed tube is its first. */
+            tube_starts?: components["schemas"]["Tensor"];
+        };
         UpdateCaptureRequest: {
             /** @description Tags to add and to remove, leaving the others; not allowed together with `tags` in the mask. */
             add_tags?: string[];
@@ -4205,6 +4318,42 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetCaptureThumbnail: {
+        parameters: {
+            query?: {
+                /** @description Width in pixels, 16 to 1024; default: 160. The height is three quarters of it */
+                width?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": string;
+                    "image/png": string;
+                };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */
             default: {
@@ -5731,6 +5880,8 @@ export interface operations {
                 order_by?: string;
                 /** @description Only twins of this owner. */
                 owner?: string;
+                /** @description Only twins with this level of trust: `good`, `fair`, `poor` or `unknown` in the assessment of the quality table. */
+                level?: string;
             };
             header?: never;
             path?: never;
@@ -5987,6 +6138,41 @@ export interface operations {
             };
         };
     };
+    ExportTwinAs: {
+        parameters: {
+            query?: {
+                /** @description The format; default: glb */
+                format?: "twin" | "splats" | "ply" | "ply-sequence" | "obj" | "glb" | "npz" | "usda" | "usdz" | "mujoco" | "mcap" | "html";
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
     GetTwinGeometry: {
         parameters: {
             query?: {
@@ -6167,6 +6353,76 @@ export interface operations {
                 };
                 content: {
                     "text/event-stream": components["schemas"]["RollOutResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetTwinSurface: {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TwinSurface"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetTwinThumbnail: {
+        parameters: {
+            query?: {
+                /** @description Width in pixels, 16 to 1024; default: 160. The height is three quarters of it */
+                width?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */

@@ -25,3 +25,15 @@ export function takeTokenFromAddress(): void {
   const rest = query.toString();
   history.replaceState(null, '', `${location.pathname}${path}${rest === '' ? '' : `?${rest}`}`);
 }
+
+/** The token in what was pasted: all of it, or that of an address such as `http://…/#/twins/1?token=…`. */
+export function tokenIn(pasted: string): string {
+  const text = pasted.trim();
+  const [, given] = /^\S*[?&#]token=([^&#\s]+)/.exec(text) ?? [];
+  if (given === undefined) return text;
+  try {
+    return decodeURIComponent(given);
+  } catch {
+    return given;
+  }
+}

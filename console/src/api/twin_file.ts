@@ -29,16 +29,26 @@ export async function openTwinFile(api: Api, twin: string, signal: AbortSignal):
     return answer.status === 206 ? bytes : bytes.slice(from, to);
   };
   let head = await range(0, FIRST);
-  const length = Number(new DataView(head.buffer).getBigUint64(0, true));
-  if (length > MOST_BYTES) throw new Error('The header of the twin is too large.');
-  const start = 8 + length;
+  const start = startOfData(head);
   if (start > head.length) head = await range(0, start);
-  const { __metadata__: metadata, ...tensors } = JSON.parse(new TextDecoder().decode(head.subarray(8, start))) as Header;
   return {
-    document: JSON.parse(metadata?.['bendtwin.twin'] ?? '{}'),
-    tensors: new Map(Object.entries(tensors)),
+    ...readHeader(head),
     read: async (from, to) => (to > from ? range(start + from, start + to) : new Uint8Array(0)),
   };
+}
+
+/** Where the data of a file begins, of which these are the first bytes. */
+export function startOfData(head: Uint8Array): number {
+  const length = Number(new DataView(head.buffer, head.byteOffset).getBigUint64(0, true));
+  if (length > MOST_BYTES) throw new Error('The header of the twin is too large.');
+  return 8 + length;
+}
+
+/** The document and the tensors of a file that begins with these bytes. */
+export function readHeader(head: Uint8Array): Pick<OpenTwinFile, 'document' | 'tensors'> {
+  const text = new TextDecoder().decode(head.subarray(8, startOfData(head)));
+  const { __metadata__: metadata, ...tensors } = JSON.parse(text) as Header;
+  return { document: JSON.parse(metadata?.['bendtwin.twin'] ?? '{}'), tensors: new Map(Object.entries(tensors)) };
 }
 
 type Header = { readonly __metadata__?: Record<string, string> } & Record<string, Entry>;

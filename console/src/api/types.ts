@@ -18,6 +18,7 @@ export type LossCurve = Schemas['FitLosses.LossCurve'];
 export type Evaluation = Schemas['Evaluation'];
 export type PredictedMotion = Schemas['PredictedMotion'];
 export type TwinGeometry = Schemas['TwinGeometry'];
+export type TwinSurface = Schemas['TwinSurface'];
 export type World = Schemas['World'];
 export type Collider = Schemas['Collider'];
 export type Tensor = Schemas['Tensor'];

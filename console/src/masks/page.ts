@@ -1,8 +1,8 @@
 import { Problem } from '../api/client';
 import { hasEnded, type Capture } from '../api/types';
 import type { OpenPage, PageContext } from '../page';
-import { findingList } from '../pages/captures/findings';
-import { concerns, type Report } from '../pages/captures/report';
+import { findingList } from '../pages/captures/report/findings';
+import { concerns, type Report } from '../pages/captures/report/report';
 import { actionButton, download, faultPlace } from '../pages/parts/actions';
 import { hasPoints, readAgain } from '../pages/parts/ingest';
 import { JobView, follow } from '../pages/parts/job';

@@ -1,6 +1,6 @@
 import { Problem } from '../api/client';
 import { beginSignIn, endSignIn, hasReturned, loginElsewhere } from '../api/sign_in';
-import { setToken } from '../api/token';
+import { setToken, tokenIn } from '../api/token';
 import type { SignIn } from '../api/types';
 import type { OpenPage, PageContext } from '../page';
 import { h } from '../ui/dom';
@@ -23,7 +23,7 @@ export const open: OpenPage = async (context) => {
   const submit = async (event: Event): Promise<void> => {
     event.preventDefault();
     button.disabled = true;
-    fault.replaceChildren(...(await faults(context, input.value.trim())));
+    fault.replaceChildren(...(await faults(context, tokenIn(input.value))));
     button.disabled = false;
     if (!context.signal.aborted) input.select();
   };
@@ -31,10 +31,19 @@ export const open: OpenPage = async (context) => {
     'form',
     { class: 'login', onsubmit: (event) => void submit(event) },
     h('p', {}, 'This server requires its token or a key. The page keeps it until this tab is closed.'),
-    field('Token', input, 'The token is in the file client-token in the data folder of the server. For the default folder:'),
-    command('cat bendtwin-data/client-token'),
+    field('Token', input, 'The token itself, or an address that contains it, such as the one that bendtwin demo prints.'),
     fault,
     h('div', { class: 'buttons' }, button),
+    h('h2', {}, 'Where is the token?'),
+    h(
+      'p',
+      {},
+      'On the machine of the server, in the file ',
+      h('code', {}, 'client-token'),
+      ' of its data folder. For the default folder:',
+    ),
+    command('cat bendtwin-data/client-token'),
+    h('p', { class: 'hint' }, "If the server is somebody else's, ask them for a key."),
   );
   const signIn = await signInOptions(context);
   if (signIn === null && !hasReturned()) return { element: form };

@@ -5,7 +5,7 @@ import { loadTwin } from './twin';
 /** The playground of a twin. */
 export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
-  const page = new PlayPage(context, id, await loadTwin(context, id));
+  const page = new PlayPage(context, await loadTwin(context, id));
   page.connect(`/v1/twins/${encodeURIComponent(id)}/play`, true);
   return page;
 };

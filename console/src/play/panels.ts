@@ -3,7 +3,9 @@ import { counted } from '../ui/format';
 import { pointCount } from '../view3d/skin';
 import type { TwinShape } from '../view3d/shape';
 import type { ColourBy } from '../view3d/twin_view';
+import type { Background } from './background/background';
 import type { Facts, Ready } from './protocol/messages';
+import { backgroundPanel } from './panels/background';
 import { goalPanel, type GoalPanel } from './panels/goal';
 import { grippersPanel } from './panels/grippers';
 import { helpPanel } from './panels/help';
@@ -33,7 +35,7 @@ export interface Panels {
 /** Makes the panels. */
 export function panelsOf(
   playing: Playing,
-  shape: TwinShape,
+  { shape, background }: { readonly shape: TwinShape; readonly background: Background },
   selected: () => void,
   query: () => URLSearchParams,
 ): Panels {
@@ -43,7 +45,8 @@ export function panelsOf(
   const moving = [grippers, world, obstacles, goal, recording];
   const help = helpPanel();
   const column = h('div', { class: 'play-panels-column' }, ...moving.map(({ element }) => element),
-    picturePanel(playing, shape), shareMenu(playing.scene.stage, playing.context, query, playing.name), help);
+    picturePanel(playing, shape), backgroundPanel(background, playing.context.query.get('background')),
+    shareMenu(playing.scene.stage, playing.context, query, playing.name), help);
   return {
     bar: time.element,
     column,

@@ -2,11 +2,13 @@ import { Vector3 } from 'three';
 import type { Page, PageContext } from '../page';
 import { h } from '../ui/dom';
 import type { TwinShape } from '../view3d/shape';
+import { Background } from './background/background';
 import { Driver } from './input/driver';
 import { GamepadDrive } from './input/gamepad';
 import { GripperKeys } from './input/keys';
 import type { Facts, Message, ProblemText, Ready, Text } from './protocol/messages';
 import { beginOf, readMoment, writeMoment, type Moment } from './share/moment';
+import { layoutOf } from './layout';
 import { panelsOf, type Panels } from './panels';
 import { PointerDrag } from './input/pointer';
 import type { Playing } from './playing';
@@ -14,6 +16,8 @@ import { PlayScene } from './scene';
 import { PlaySocket, type SocketListener } from './protocol/socket';
 import type { PlayState } from './protocol/state';
 import { StatusLine } from './status_line';
+import { Trust } from './trust/trust';
+import type { ShownTwin } from './twin';
 import { WorldModel } from './world_model';
 import './play.css';
 
@@ -35,8 +39,10 @@ export class PlayPage implements Page, SocketListener {
   readonly #keys: GripperKeys;
   readonly #gamepad: GamepadDrive;
   readonly #panels: Panels;
-  readonly #status = new StatusLine();
-  readonly #hint = h('p', { class: 'play-hint' }, 'Drag the object or an orange hand');
+  readonly #trust: Trust;
+  readonly #background: Background;
+  readonly #status: StatusLine;
+  readonly #hint = h('p', { class: 'play-hint' }, 'Drag the object or a gripper');
   readonly #overlay = h('p', { class: 'play-message', role: 'status' }, 'Opening…');
   readonly #said = h('p', { role: 'status', class: 'play-message' });
   readonly #watch = h('a', { hidden: true, target: '_blank' }, 'Watch this play in another window');
@@ -53,11 +59,17 @@ export class PlayPage implements Page, SocketListener {
   #world: ReturnType<typeof setTimeout> | null = null;
   #silence: ReturnType<typeof setTimeout> | null = null;
 
-  constructor(context: PageContext, id: string, { shape, name }: { shape: TwinShape; name: string }) {
+  constructor(context: PageContext, twin: ShownTwin) {
+    const { id, shape, name, capture } = twin;
     this.#context = context;
     this.#shape = shape;
+    this.#status = new StatusLine((text) => context.announce(text));
     this.#first = readMoment(context.query, shape.rest.length / 3, shape.controls.length / 3);
-    this.#scene = new PlayScene(shape, `The twin ${name}: arrows move the selected gripper, space grasps and releases`);
+    this.#trust = Trust.of(context.api, id, shape, capture, context.signal);
+    const label = `The twin ${name}: arrows move the selected gripper, space grasps and releases`;
+    this.#scene = new PlayScene(shape, label, this.#trust);
+    const { stage, ground } = this.#scene;
+    this.#background = Background.of({ stage, ground, shape }, context, capture);
     this.#driver = new Driver((message) => this.#send(message), 1.2 * shape.spacing);
     this.#model = new WorldModel(shape);
     this.#model.adopt(this.#first.world ?? {}, this.#first.vary ?? {});
@@ -68,8 +80,9 @@ export class PlayPage implements Page, SocketListener {
       sendWorld: () => this.#sendWorld(),
       say: (text) => this.#say(text),
     };
-    this.#panels = panelsOf(playing, shape, () => this.#selected(), () => this.#query());
-    const { stage } = this.#scene;
+    // The place of the camera comes first, so that a background may take it.
+    if (!stage.setView(context.query.get('view') ?? '')) stage.lookAt(this.#first.positions ?? shape.rest);
+    this.#panels = panelsOf(playing, { shape, background: this.#background }, () => this.#selected(), () => this.#query());
     stage.overlay.append(this.#hint, h('div', { class: 'play-messages' }, this.#said, this.#overlay));
     new PointerDrag(this.#scene, this.#driver, {
       isWatching: () => !this.#plays,
@@ -84,14 +97,15 @@ export class PlayPage implements Page, SocketListener {
     });
     this.#keys = new GripperKeys(this.#scene, this.#driver, () => this.#selected());
     this.#gamepad = new GamepadDrive(this.#scene, this.#driver, () => this.#selected(), context.signal);
-    if (!stage.setView(context.query.get('view') ?? '')) stage.lookAt(this.#first.positions ?? shape.rest);
     stage.beforeFrame((now) => this.#frame(now));
-    this.element = h('div', { class: 'play' },
-      h('div', { class: 'play-main' }, this.#panels.bar, stage.element, this.#status.element),
-      h('div', { class: 'play-panels' }, this.#panels.column,
-        h('p', { class: 'row' },
-          this.#watch,
-          h('a', { href: `#/twins/${id}/view` }, 'Look at its springs and triplets'))));
+    const links = h('p', { class: 'row' }, this.#watch,
+      h('a', { href: `#/twins/${id}/view` }, 'Look at its springs and triplets'));
+    this.element = layoutOf({
+      bar: this.#panels.bar,
+      stage: stage.element,
+      below: this.#status.element,
+      panels: [this.#panels.column, links],
+    });
   }
 
   /** Opens the socket of a play, or of one to watch. */
@@ -127,6 +141,7 @@ export class PlayPage implements Page, SocketListener {
     const newest = this.#driver.see(state);
     if (newest !== null) this.#awaited = newest;
     this.#scene.push(state);
+    this.#status.warn(this.#trust.warning);
     this.#panels.refresh();
   }
 
@@ -247,6 +262,7 @@ export class PlayPage implements Page, SocketListener {
   #query(): URLSearchParams {
     const query = writeMoment(this.#moment());
     query.set('view', this.#scene.stage.view);
+    if (this.#background.choice !== 'grid') query.set('background', this.#background.choice);
     return query;
   }
 

@@ -1,12 +1,12 @@
-import { Vector3 } from 'three';
+import { Quaternion, Vector3 } from 'three';
 import type { Collider } from '../api/types';
 import { h } from '../ui/dom';
 import { ArrowsLayer, type Arrow } from '../view3d/layers/arrows';
 import { CollidersLayer } from '../view3d/layers/colliders';
-import { GroundLayer } from '../view3d/layers/ground';
-import { HandsLayer } from '../view3d/layers/hands';
-import { Legend, number } from '../view3d/legend';
-import { planeOf, type TwinShape } from '../view3d/shape';
+import { GRIPPER_MIDDLE, HandsLayer } from '../view3d/layers/hands';
+import { Legend } from '../view3d/legend';
+import { Ground } from '../view3d/place/ground';
+import { planeOf, sizeOf, type TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView } from '../view3d/twin_view';
 import type { Driver } from './input/driver';
@@ -14,6 +14,8 @@ import { GoalLayer } from './goal_layer';
 import type { Facts, Ready } from './protocol/messages';
 import { Motion, carry } from './motion';
 import type { PlayState } from './protocol/state';
+import type { Trust } from './trust/trust';
+import { forceOf } from './trust/words';
 
 /** The least force that is shown [N]. */
 const LEAST_FORCE = 0.02;
@@ -23,6 +25,7 @@ export class PlayScene {
   readonly stage: Stage;
   readonly twin: TwinView;
   readonly goal: GoalLayer;
+  readonly ground: Ground;
   readonly colliders: CollidersLayer;
   readonly motion = new Motion();
   /** The size of the object at rest [m]. */
@@ -34,22 +37,22 @@ export class PlayScene {
   showsForces = true;
 
   readonly #shape: TwinShape;
-  readonly #ground: GroundLayer;
   readonly #hands: HandsLayer;
   readonly #arrows: ArrowsLayer;
   readonly #labels = h('div', { class: 'force-labels', 'aria-hidden': 'true' });
+  readonly #excess = h('p', { class: 'play-excess', hidden: true }, h('span', { class: 'play-stripes' }), 'beyond anything recorded');
   readonly #controls: Float32Array;
   #ready: Ready | null = null;
   #forceScale = 0;
 
-  constructor(shape: TwinShape, label: string) {
+  constructor(shape: TwinShape, label: string, private readonly trust: Trust) {
     this.#shape = shape;
     this.stage = new Stage(label, 'application');
     const legend = new Legend();
-    this.stage.overlay.append(legend.element, this.#labels);
+    this.stage.overlay.append(this.#labels, h('div', { class: 'play-legends' }, this.#excess, legend.element));
     this.size = sizeOf(shape.rest);
     this.handRadius = Math.min(Math.max(0.022 * this.size, 0.5 * shape.spacing), 0.05);
-    this.#ground = this.stage.add(new GroundLayer());
+    this.ground = new Ground(this.stage, shape.rest);
     this.twin = new TwinView(this.stage, shape, legend);
     this.#hands = this.stage.add(new HandsLayer(this.handRadius));
     this.#arrows = this.stage.add(new ArrowsLayer(0.22 * this.handRadius));
@@ -85,6 +88,9 @@ export class PlayScene {
   push(state: PlayState): void {
     this.state = state;
     this.motion.push(state, performance.now());
+    const forces = state.grippers.map(({ force, holds }) => (holds ? Math.hypot(...force) : 0));
+    const beyond = this.trust.judge(state, this.#weight > 0 ? Math.max(...forces, 0) / this.#weight : null);
+    this.#excess.hidden = !this.twin.warn(beyond);
     this.stage.invalidate();
   }
 
@@ -103,14 +109,19 @@ export class PlayScene {
     this.twin.place(positions, this.#controls, (c) => state.grippers[hands[c]!]?.holds ?? true);
     this.colliders.place(colliders, this.selectedCollider);
     this.goal.place(positions);
-    this.#drawHands(grippers, driver);
+    const closes = this.#drawHands(grippers, driver);
     this.#drawForces(grippers);
-    return moves;
+    return moves || closes;
   }
 
   /** Displayed place of a gripper [m]. */
   gripper(index: number): Vector3 {
     return new Vector3().fromArray(this.motion.shown.grippers, 7 * index);
+  }
+
+  /** Displayed middle of the body of a gripper [m]. */
+  gripperMiddle(index: number): Vector3 {
+    return new Vector3(0, 0, GRIPPER_MIDDLE * this.handRadius).applyQuaternion(this.#turn(index)).add(this.gripper(index));
   }
 
   /** Displayed place of a node [m]. */
@@ -134,15 +145,21 @@ export class PlayScene {
     this.stage.dispose();
   }
 
-  #drawHands(grippers: Float32Array, driver: Driver): void {
+  #turn(gripper: number): Quaternion {
+    const turn = new Quaternion().fromArray(this.motion.shown.grippers, 7 * gripper + 3);
+    return turn.lengthSq() > 0 ? turn.normalize() : turn.identity();
+  }
+
+  #drawHands(grippers: Float32Array, driver: Driver): boolean {
     const usable = new Set(driver.usable);
     const hands = Array.from({ length: grippers.length / 7 }, (_, g) => ({
       position: this.gripper(g),
+      turn: this.#turn(g),
       holds: driver.isHolding(g),
       selected: g === driver.selected,
       visible: g < driver.hands || driver.isHolding(g) || (usable.has(g) && g === driver.selected),
     }));
-    this.#hands.place(hands, this.stage.camera.position);
+    return this.#hands.place(hands);
   }
 
   #drawForces(grippers: Float32Array): void {
@@ -159,9 +176,9 @@ export class PlayScene {
       arrows.push({ from, way });
       const at = this.stage.project(from.clone().add(way));
       if (at === null) return;
-      const label = h('span', {}, this.#force(size));
+      const label = h('span', {}, forceOf(size, this.#weight, this.#shape.massKg !== null));
       const { clientWidth, clientHeight } = this.stage.canvas;
-      const [x, y] = [Math.min(Math.max(at.x, 4), clientWidth - 104), Math.min(Math.max(at.y, 4), clientHeight - 24)];
+      const [x, y] = [Math.min(Math.max(at.x, 4), clientWidth - 150), Math.min(Math.max(at.y, 4), clientHeight - 24)];
       label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
       labels.push(label);
     });
@@ -169,35 +186,17 @@ export class PlayScene {
     this.#labels.replaceChildren(...labels);
   }
 
-  /** A force in newtons, or as a multiple of the object's weight where its mass is not known. */
-  #force(size: number): string {
-    const { massKg, mass, gravity } = this.#shape;
-    const weight = mass * Math.hypot(...gravity);
-    return massKg !== null ? `${number(size)} N` : weight > 0 ? `${number(size / weight)} × weight` : number(size);
+  /** Weight of the object, in newtons or relative as forces are; 0 without gravity. */
+  get #weight(): number {
+    const { mass, gravity } = this.#shape;
+    return mass * Math.hypot(...gravity);
   }
 
   #lie(world: Facts['world']): void {
     const own = this.#shape.ground;
     const plane = world.no_ground === true ? null : world.ground === undefined ? own : planeOf(world.ground);
-    this.#ground.place(plane, middleOf(this.#shape.rest));
+    this.ground.place(plane);
     this.twin.above(plane);
     this.stage.invalidate();
   }
-}
-
-function middleOf(points: Float32Array): Vector3 {
-  const middle = new Vector3();
-  for (let i = 0; i < points.length; i += 3) middle.add(new Vector3().fromArray(points, i));
-  return middle.divideScalar(Math.max(points.length / 3, 1));
-}
-
-/** Length of the diagonal of a box around points [m]. */
-function sizeOf(points: Float32Array): number {
-  const [low, high] = [new Vector3().setScalar(Infinity), new Vector3().setScalar(-Infinity)];
-  for (let i = 0; i < points.length; i += 3) {
-    const point = new Vector3().fromArray(points, i);
-    low.min(point);
-    high.max(point);
-  }
-  return points.length === 0 ? 0.1 : Math.max(high.distanceTo(low), 0.01);
 }

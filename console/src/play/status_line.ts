@@ -8,9 +8,24 @@ const MOST_TIMES = 60;
 
 /** Facts of a play in a line: how fast it runs, is drawn, and follows what one does. */
 export class StatusLine {
-  readonly element = h('p', { class: 'play-facts' });
+  readonly element: HTMLElement;
+  readonly #facts = h('p', { class: 'play-facts' });
+  readonly #warning = h('p', { class: 'play-warning', hidden: true });
   readonly #times: number[] = [];
   #drawn = { count: 0, at: 0 };
+
+  /** `announce` says something to people who use a screen reader. */
+  constructor(private readonly announce: (text: string) => void) {
+    this.element = h('div', { class: 'play-below' }, this.#warning, this.#facts);
+  }
+
+  /** Shows a warning, or none if it is empty; only the first of several in a row is announced. */
+  warn(text: string): void {
+    if (text === this.#warning.textContent) return;
+    if (this.#warning.hidden && text !== '') this.announce(text);
+    this.#warning.textContent = text;
+    this.#warning.hidden = text === '';
+  }
 
   /** Shows facts. */
   update(facts: Facts, scene: PlayScene): void {
@@ -27,7 +42,7 @@ export class StatusLine {
       middle === undefined ? '' : `reaction ${middle.toFixed(0)} ms`,
       `strain up to ${(100 * (scene.state?.strain ?? 0)).toFixed(1)} %`,
     ];
-    this.element.replaceChildren(...texts.filter((text) => text !== '').map((text) => h('span', {}, text)));
+    this.#facts.replaceChildren(...texts.filter((text) => text !== '').map((text) => h('span', {}, text)));
   }
 
   /** An input of a time [ms] has its first picture now. */
@@ -45,6 +60,7 @@ export class StatusLine {
   /** Forgets what was measured. */
   clear(): void {
     this.#times.length = 0;
-    this.element.replaceChildren();
+    this.#facts.replaceChildren();
+    this.warn('');
   }
 }

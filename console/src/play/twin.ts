@@ -1,10 +1,20 @@
+import { idOf } from '../api/routes';
 import type { PageContext } from '../page';
 import { loadShape, type TwinShape } from '../view3d/shape';
 
-/** Loads the shape and the name of a twin, by which the page is called. */
-export async function loadTwin(context: PageContext, id: string): Promise<{ shape: TwinShape; name: string }> {
+/** A twin that a page shows. */
+export interface ShownTwin {
+  readonly id: string;
+  readonly name: string;
+  readonly shape: TwinShape;
+  /** Id of the capture that it was fitted to; null for an imported one. */
+  readonly capture: string | null;
+}
+
+/** Loads a twin, after which the page is called. */
+export async function loadTwin(context: PageContext, id: string): Promise<ShownTwin> {
   const { api, signal } = context;
   const [shape, twin] = await Promise.all([loadShape(api, id, signal), api.get('/v1/twins/{id}', { id, signal })]);
   context.setTitle(twin.display_name || 'Twin');
-  return { shape, name: twin.display_name };
+  return { id, name: twin.display_name, shape, capture: twin.capture === null ? null : idOf(twin.capture) };
 }

@@ -9,7 +9,7 @@ import { loadTwin } from './twin';
 export const open: OpenPage = async (context) => {
   const path = `/v1/plays/${encodeURIComponent(context.parameters['id'] ?? '')}/watch`;
   const id = idOf(await twinOf(path, context.signal));
-  const page = new PlayPage(context, id, await loadTwin(context, id));
+  const page = new PlayPage(context, await loadTwin(context, id));
   page.connect(path, false);
   return page;
 };

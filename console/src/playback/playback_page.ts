@@ -20,7 +20,7 @@ import { Motion, controlsOf } from './file/motion';
 import { canEncode } from './film/encoder';
 import { subjectOf, type Parts } from './film/subject';
 import { videoButton, type Subject } from './film/video';
-import { fullScreenButton } from './full_screen';
+import { fullScreenButton } from '../ui/full_screen';
 import { keyOf, keysText } from './keys';
 import { readLook, writeLook } from './look';
 import { lookControls } from './look_controls';
@@ -137,7 +137,7 @@ export class PlaybackPage {
         this.#twinPlace,
         h('a', { href: `#/captures/${id}` }, 'The capture'),
         controls,
-        h('span', { class: 'playback-end' }, fullScreenButton(this.element, context.signal))),
+        h('span', { class: 'playback-end' }, fullScreenButton(this.element))),
       this.#faults,
       h('div', { class: 'playback-views' }, scene.stage.element, cameras?.element),
       this.#transport.element,

@@ -1,12 +1,12 @@
 import type { TwinShape } from '../view3d/shape';
 import { placeSkin, pointCount } from '../view3d/skin';
+import { Nearest } from '../view3d/surface/nearest';
 import { rangeOf, type Range } from '../view3d/colour';
 import type { Dots } from './camera/camera_view';
 import type { Cameras } from './camera/cameras';
 import type { ColourBy, Look } from './look';
 import { visiblePoints, type Seen } from './extent';
 import type { Motion } from './file/motion';
-import { Nearest } from './nearest';
 import type { Prediction } from './prediction';
 import { COLOURS, coloursOf, type Scene } from './scene';
 

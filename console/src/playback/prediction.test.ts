@@ -28,6 +28,7 @@ describe('a prediction', () => {
     const positions = packed(floats(0, 0, 0, 3, 3, 3), [2, 1, 3]);
     const prediction = new Prediction({ ...MOTION, every_frames: 3, positions });
     expect([0, 2, 3, 5, 6].map((frame) => prediction.nodes(frame)![0])).toEqual([0, 0, 3, 3, 3]);
+    expect(prediction.all.map((nodes) => nodes[0])).toEqual([0, 3]);
   });
 
   it('needs nodes', () => {

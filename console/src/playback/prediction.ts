@@ -63,6 +63,14 @@ export class Prediction {
     return this.positions.subarray(first, first + width);
   }
 
+  /** Nodes of all frames that were sent [m], shape [N, 3] each. */
+  get all(): Float32Array[] {
+    const width = 3 * this.nodeCount;
+    return Array.from({ length: this.positions.length / width }, (_, row) => {
+      return this.positions.subarray(row * width, (row + 1) * width);
+    });
+  }
+
   errors(frame: number): FrameErrors {
     const of = (values: Float32Array): number | null => {
       const value = values[frame - this.startFrame];

@@ -1,8 +1,8 @@
 import { Vector3 } from 'three';
 import { SEQUENTIAL, colourAt, shareOf, type Range } from '../view3d/colour';
-import { GroundLayer } from '../view3d/layers/ground';
 import { PointsLayer } from '../view3d/layers/points';
 import { Legend } from '../view3d/legend';
+import { Ground } from '../view3d/place/ground';
 import type { TwinShape } from '../view3d/shape';
 import { Stage } from '../view3d/stage';
 import { TwinView, type TwinLayer } from '../view3d/twin_view';
@@ -62,7 +62,7 @@ export class Scene {
     this.#controls = this.stage.add(
       new PointsLayer(new Float32Array(3 * Math.max(controls, 1)), { size: 1.2 * size, colour: COLOURS.controls }),
     );
-    this.stage.add(new GroundLayer()).place(sequence.ground, middleOf(first));
+    new Ground(this.stage, first).place(sequence.ground);
     this.#lookAtAll();
     this.#resize = new ResizeObserver(() => {
       if (this.view === null) this.#lookAtAll();
@@ -179,15 +179,4 @@ function extentOf(points: Float32Array): number {
     return values.length === 0 ? 0 : high - values.reduce((least, x) => Math.min(least, x), Infinity);
   });
   return Math.max(...spans, 0.05);
-}
-
-function middleOf(points: Float32Array): Vector3 {
-  const sum = new Vector3();
-  let count = 0;
-  for (let i = 0; i + 2 < points.length; i += 3) {
-    if (!Number.isFinite(points[i]!)) continue;
-    sum.add(new Vector3(points[i], points[i + 1], points[i + 2]));
-    count += 1;
-  }
-  return sum.divideScalar(Math.max(count, 1));
 }

@@ -10,6 +10,27 @@ export interface Question {
   readonly isDangerous?: boolean;
 }
 
+/** Shows something over the page until it is closed. */
+export function showDialog(title: string, ...content: Child[]): void {
+  const close = (): void => dialog.close();
+  const dialog = h(
+    'dialog',
+    { 'aria-labelledby': 'dialog-title', class: 'dialog dialog-large' },
+    h('h2', { id: 'dialog-title' }, title),
+    ...content,
+    h('div', { class: 'buttons' }, h('button', { type: 'button', autofocus: true, onclick: close }, 'Close')),
+  );
+  open(dialog);
+}
+
+/** Opens a dialog, which is removed when it is closed, and does not outlive its page. */
+function open(dialog: HTMLDialogElement): void {
+  dialog.addEventListener('close', () => dialog.remove());
+  addEventListener('hashchange', () => dialog.close(), { once: true });
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
 /** Asks before something is done; false if it was declined, also by Escape. */
 export function confirm({ title, text, action, isDangerous = false }: Question): Promise<boolean> {
   return new Promise((resolve) => {
@@ -30,13 +51,7 @@ export function confirm({ title, text, action, isDangerous = false }: Question):
         h('button', { type: 'button', class: isDangerous ? 'danger' : 'primary', onclick: end(true) }, action),
       ),
     );
-    dialog.addEventListener('close', () => {
-      dialog.remove();
-      resolve(agreed);
-    });
-    // A dialog does not outlive the page that asks.
-    addEventListener('hashchange', () => dialog.close(), { once: true });
-    document.body.append(dialog);
-    dialog.showModal();
+    dialog.addEventListener('close', () => resolve(agreed));
+    open(dialog);
   });
 }

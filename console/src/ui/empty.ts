@@ -1,5 +1,29 @@
+import { copyButton } from './copy';
 import { h } from './dom';
 import type { Child } from './dom';
+
+/** What a list that has no entries yet says. */
+export interface Lesson {
+  readonly title: string;
+  /** What the entries are, in a sentence or two. */
+  readonly text: Child;
+  /** The one thing to do next: a link or a button. */
+  readonly action: HTMLElement;
+  /** How the same is done in a terminal. */
+  readonly commands?: readonly string[];
+}
+
+/** An empty list that teaches what it is for, and leads to its first entry. */
+export function lesson({ title, text, action, commands = [] }: Lesson): HTMLElement {
+  return h(
+    'div',
+    { class: 'empty' },
+    h('h2', {}, title),
+    h('p', {}, text),
+    h('div', { class: 'buttons' }, action),
+    commands.length > 0 && [h('p', { class: 'muted' }, 'Or from a terminal:'), ...commands.map(command)],
+  );
+}
 
 /** An empty list: what would be there, and the command that fills it. */
 export function empty(text: Child, ...commands: string[]): HTMLElement {
@@ -18,14 +42,5 @@ export function cli(text: string): string {
 
 /** A command to be run in a terminal, with a button that copies it. */
 export function command(text: string): HTMLElement {
-  const button = h('button', { type: 'button', class: 'small', 'aria-label': `Copy: ${text}` }, 'Copy');
-  button.addEventListener('click', () => {
-    void navigator.clipboard.writeText(text).then(
-      () => (button.textContent = 'Copied'),
-      () => (button.textContent = 'Not copied'),
-    );
-  });
-  // Browsers have a clipboard for pages of this machine and for those with TLS only.
-  const canCopy = typeof navigator.clipboard?.writeText === 'function';
-  return h('div', { class: 'command' }, h('code', {}, text), canCopy && button);
+  return h('div', { class: 'command' }, h('code', {}, text), copyButton(text, `Copy: ${text}`));
 }

@@ -14,6 +14,11 @@ export function counted(value: number, noun: string, plural = `${noun}s`): strin
   return `${count(value)} ${value === 1 ? noun : plural}`;
 }
 
+/** A word at the start of a header. */
+export function capitalised(word: string): string {
+  return word.charAt(0).toUpperCase() + word.slice(1);
+}
+
 /** A size [bytes] with three digits, as 1.25 MB. */
 export function size(bytes: number | null | undefined): string {
   if (bytes === null || bytes === undefined) return NOTHING;

@@ -1,5 +1,6 @@
 import type { Api } from '../api/client';
 import { token } from '../api/token';
+import icon from '../icon.svg';
 import { h } from './dom';
 
 /** Entries of the navigation: their text, and the first part of the addresses below them. */
@@ -31,7 +32,7 @@ export function frame(app: HTMLElement, api: Api, logOut: () => void): Frame {
   const main = h('main', { id: 'main', tabindex: '-1' }, heading, place);
   const links = ENTRIES.map(([text, part]) => h('a', { href: `#/${part}` }, text));
   const who = h('bdi', { class: 'who', hidden: true });
-  const leave = h('button', { type: 'button', class: 'small', onclick: logOut }, 'Log out');
+  const leave = h('button', { type: 'button', class: 'small quiet', onclick: logOut }, 'Log out');
   // A link by an address within the page would be taken for the address of another page.
   const skip = (event: Event): void => {
     event.preventDefault();
@@ -42,10 +43,9 @@ export function frame(app: HTMLElement, api: Api, logOut: () => void): Frame {
     h(
       'header',
       { class: 'bar' },
-      h('a', { class: 'home', href: '#/' }, 'BendTwin'),
+      h('a', { class: 'home', href: '#/' }, h('img', { src: icon, alt: '' }), 'BendTwin'),
       h('nav', { 'aria-label': 'Main' }, ...links),
-      who,
-      leave,
+      h('div', { class: 'person' }, who, leave),
     ),
     lostBanner(api),
     main,

@@ -9,6 +9,8 @@ export interface Order {
 
 export interface Column<Row> {
   readonly header: string;
+  /** Header over this column and the ones beside it that have the same. */
+  readonly group?: string;
   readonly cell: (row: Row) => Child;
   /** Word by which rows can be sorted, as `create_time` of the API's `order_by`. */
   readonly orderBy?: string;
@@ -43,15 +45,47 @@ export function table<Row>(options: TableOptions<Row>): HTMLElement {
     ),
   );
   const hidden = options.hidesCaption === true ? 'visually-hidden' : null;
-  return h(
-    'div',
-    { class: 'table-frame', role: 'region', 'aria-label': caption, tabindex: '0' },
+  return framed(
+    caption,
     h(
       'table',
       {},
       h('caption', { class: hidden }, caption),
-      h('thead', {}, h('tr', {}, ...columns.map((column) => header(column, options)))),
+      h('thead', {}, groupRow(columns), h('tr', {}, ...columns.map((column) => header(column, options)))),
       h('tbody', {}, ...body),
+    ),
+  );
+}
+
+/** A table in a frame, which scrolls, and can be reached by keys to do so, only while it is too narrow for the table. */
+function framed(caption: string, content: HTMLTableElement): HTMLElement {
+  const frame = h('div', { class: 'table-frame', role: 'region', 'aria-label': caption, tabindex: '0' }, content);
+  const measure = (): void => {
+    const fits = content.offsetWidth <= frame.clientWidth;
+    frame.classList.toggle('fits', fits);
+    if (fits) frame.removeAttribute('tabindex');
+    else frame.tabIndex = 0;
+  };
+  const resized = new ResizeObserver(measure);
+  resized.observe(frame);
+  resized.observe(content);
+  return frame;
+}
+
+/** The row of headers over several columns, if there are any. */
+function groupRow<Row>(columns: readonly Column<Row>[]): HTMLElement | null {
+  if (columns.every(({ group }) => group === undefined)) return null;
+  const cells: { text: string; span: number }[] = [];
+  for (const { group: text = '' } of columns) {
+    const last = cells.at(-1);
+    if (last !== undefined && last.text === text) last.span += 1;
+    else cells.push({ text, span: 1 });
+  }
+  return h(
+    'tr',
+    { class: 'groups' },
+    ...cells.map(({ text, span }) =>
+      text === '' ? h('td', { colspan: span }) : h('th', { scope: 'colgroup', colspan: span }, text),
     ),
   );
 }

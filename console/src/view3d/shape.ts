@@ -1,8 +1,9 @@
 import type { Api } from '../api/client';
 import type { TwinGeometry, World } from '../api/types';
 import { loadAppearance, type Appearance } from './appearance';
-import { startsOf, type Skin } from './skin';
-import { floats, indices } from './tensor';
+import { readSkin, type Skin } from './skin';
+import { askSurface, readSurface, type Surface } from './surface/surface';
+import { floats, indices, ofLength, within } from './tensor';
 
 /** Points with normal . x >= offset are above it. */
 export interface Plane {
@@ -32,6 +33,8 @@ export interface TwinShape {
   readonly skinSd: Float32Array;
   readonly rods: readonly Uint32Array[];
   readonly skin: Skin;
+  /** The surface that people see; null if the twin has none. */
+  readonly surface: Surface | null;
   /** Colours of the skin and splats; null if the twin has none. */
   readonly appearance: Appearance | null;
   readonly ground: Plane | null;
@@ -48,8 +51,11 @@ export interface TwinShape {
 /** Asks for the shape of a twin. */
 export async function loadShape(api: Api, twin: string, signal: AbortSignal): Promise<TwinShape> {
   const reply = api.get('/v1/twins/{id}/geometry', { id: twin, query: { tensors: 'base64' }, signal });
-  const [geometry, appearance] = await Promise.all([reply, loadAppearance(api, twin, signal)]);
-  return { ...readShape(geometry), appearance };
+  const [geometry, appearance, surface] = await Promise.all([
+    reply, loadAppearance(api, twin, signal), askSurface(api, twin, signal),
+  ]);
+  const shape = readShape(geometry);
+  return { ...shape, appearance, surface: surface === null ? null : readSurface(surface, shape.rest.length / 3) };
 }
 
 /** Reads a reply; throws if its arrays do not belong together. */
@@ -78,6 +84,7 @@ export function readShape(reply: Partial<TwinGeometry>): TwinShape {
     rods: Array.from(starts.subarray(1), (end, rod) => rodNodes.subarray(starts[rod], end)),
     skin,
     skinSd: skinSd.length === 0 ? skinSd : ofLength(skinSd, skin.starts.length - 1, 'skin_sd'),
+    surface: null,
     appearance: null,
     ground: reply.ground === undefined ? null : planeOf(reply.ground),
     gravity: vectorOf(reply.gravity, [0, 0, 0]),
@@ -93,30 +100,18 @@ export function planeOf(plane: Partial<NonNullable<World['ground']>>): Plane {
   return { normal: vectorOf(plane.normal, [0, 0, 1]), offset_m: plane.offset_m ?? 0 };
 }
 
+/** Length of the diagonal of the box around points, shape [M, 3], 1 cm at least [m]. */
+export function sizeOf(points: Float32Array): number {
+  if (points.length === 0) return 0.1;
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  points.forEach((x, i) => {
+    low[i % 3] = Math.min(low[i % 3]!, x);
+    high[i % 3] = Math.max(high[i % 3]!, x);
+  });
+  return Math.max(Math.hypot(...high.map((x, axis) => x - low[axis]!)), 0.01);
+}
+
 function vectorOf(values: readonly number[] | undefined, absent: [number, number, number]): [number, number, number] {
   const [x, y, z] = values ?? [];
   return x === undefined || y === undefined || z === undefined ? absent : [x, y, z];
-}
-
-function readSkin(reply: NonNullable<TwinGeometry['skin']>, nodes: number): Skin {
-  const starts = startsOf(indices(reply.weight_counts, 'skin.weight_counts'));
-  const points = starts.length - 1;
-  const carriers = ofLength(indices(reply.weight_nodes, 'skin.weight_nodes'), starts[points]!, 'skin.weight_nodes');
-  within(carriers, nodes, 'skin.weight_nodes');
-  return {
-    starts,
-    nodes: carriers,
-    weights: ofLength(floats(reply.weights, 'skin.weights'), carriers.length, 'skin.weights'),
-    frames: ofLength(indices(reply.frames, 'skin.frames'), 3 * points, 'skin.frames'),
-    offsets: ofLength(floats(reply.offsets, 'skin.offsets'), 3 * points, 'skin.offsets'),
-  };
-}
-
-function within(values: Uint32Array, count: number, name: string): void {
-  if (values.some((value) => value >= count)) throw new Error(`${name} names what is not there`);
-}
-
-function ofLength<A extends Uint32Array | Float32Array>(values: A, length: number, name: string): A {
-  if (values.length !== length) throw new Error(`${name} has ${values.length} values in place of ${length}`);
-  return values;
 }

@@ -3,6 +3,7 @@ import {
   Color,
   DirectionalLight,
   HemisphereLight,
+  MathUtils,
   PerspectiveCamera,
   Scene,
   Vector3,
@@ -11,9 +12,14 @@ import {
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { h } from '../ui/dom';
 import { CameraKeys } from './camera_keys';
+import { projectionOf, standOf, type Pinhole } from './place/pinhole';
 import { drawsInSoftware } from './renderer_kind';
 import { Sharpness } from './sharpness';
 import './view3d.css';
+
+/** Direction from what is framed to the camera, and the share of the picture that it fills. */
+const AWAY = new Vector3(0.35, -1, 0.55);
+const FILL = 0.72;
 
 /** A part of what a stage shows, which frees its memory at the GPU when it is disposed of. */
 export interface Layer {
@@ -46,8 +52,10 @@ export class Stage {
   readonly #layers = new Set<Layer>();
   readonly #listeners = new Set<(now: number) => boolean>();
   readonly #sharpness = new Sharpness();
-  /** Area that the camera frames until the user moves it. */
-  #framed: { readonly middle: Vector3; readonly size: number } | null = null;
+  /** Points that the camera frames until the user moves it. */
+  #framed: Vector3[] | null = null;
+  /** The calibrated camera through which one looks until the view is moved, and who is told then. */
+  #lens: { readonly pinhole: Pinhole; readonly left: () => void } | null = null;
   #request = 0;
   #disposed = false;
 
@@ -60,7 +68,7 @@ export class Stage {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener('change', this.invalidate);
-    this.controls.addEventListener('start', () => (this.#framed = null));
+    this.controls.addEventListener('start', () => this.unframe());
     this.controls.minDistance = 0.02;
     this.controls.maxDistance = 50;
     this.#keys = new CameraKeys(this, role === 'application');
@@ -113,15 +121,32 @@ export class Stage {
 
   /** Frames points [M, 3] from the front and from above. */
   lookAt(points: Float32Array): void {
-    const box = new Box3();
-    const point = new Vector3();
+    const framed: Vector3[] = [];
     for (let i = 0; i + 2 < points.length; i += 3) {
-      point.fromArray(points, i);
-      if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
+      const point = new Vector3().fromArray(points, i);
+      if (Number.isFinite(point.x + point.y + point.z)) framed.push(point);
     }
-    if (box.isEmpty()) return;
-    this.#framed = { middle: box.getCenter(new Vector3()), size: Math.max(box.getSize(new Vector3()).length(), 0.05) };
+    if (framed.length === 0) return;
+    this.unframe();
+    this.#framed = framed;
     this.#look();
+  }
+
+  /**
+   * Looks as a calibrated camera did, so that its image fits what is drawn, and calls `left` once the view is moved.
+   * The camera then turns around the place on its axis that is nearest to `around`.
+   */
+  lookThrough(pinhole: Pinhole, around: Vector3, left: () => void): void {
+    this.unframe();
+    const { position, turn } = standOf(pinhole);
+    this.camera.position.copy(position);
+    this.camera.quaternion.copy(turn);
+    const ahead = new Vector3(0, 0, -1).applyQuaternion(turn);
+    const distance = Math.max(around.clone().sub(position).dot(ahead), 0.05);
+    this.controls.target.copy(position).addScaledVector(ahead, distance);
+    this.#lens = { pinhole, left };
+    this.#project();
+    this.invalidate();
   }
 
   /** Place and target of the camera, for an address. */
@@ -134,7 +159,7 @@ export class Stage {
   setView(text: string): boolean {
     const numbers = text.split(',').map(Number);
     if (numbers.length !== 6 || !numbers.every((x) => Number.isFinite(x) && Math.abs(x) < 1000)) return false;
-    this.#framed = null;
+    this.unframe();
     this.camera.position.fromArray(numbers);
     this.controls.target.fromArray(numbers, 3);
     this.controls.update();
@@ -159,6 +184,8 @@ export class Stage {
 
   /** Number of pixels of the page from the canvas's left and top at which a point is seen; null behind the camera. */
   project(point: Vector3): { x: number; y: number } | null {
+    // Drawing would do this only afterwards.
+    this.camera.updateMatrixWorld();
     const seen = point.clone().project(this.camera);
     if (seen.z > 1) return null;
     const { clientWidth, clientHeight } = this.canvas;
@@ -170,9 +197,15 @@ export class Stage {
     return this.#renderer.info.memory;
   }
 
-  /** The camera is moved by keys: it does not go back by itself. */
+  /** The camera is moved: it does not go back by itself. */
   unframe(): void {
     this.#framed = null;
+    const lens = this.#lens;
+    this.#lens = null;
+    if (lens === null) return;
+    this.#project();
+    this.controls.update();
+    lens.left();
   }
 
   /** Frees everything. */
@@ -193,15 +226,35 @@ export class Stage {
     this.#renderer.forceContextLoss();
   }
 
-  /** Stands where all that is framed is seen, which on narrow screens is farther away. */
+  /** Stands where all that is framed fills the picture, but for a margin in which it can move. */
   #look(): void {
-    if (this.#framed === null) return;
-    const { middle, size } = this.#framed;
-    const distance = 1.15 * size * Math.max(1, 1.25 / this.camera.aspect);
+    const points = this.#framed;
+    if (points === null) return;
+    const middle = new Box3().setFromPoints(points).getCenter(new Vector3());
+    const away = AWAY.clone().normalize();
+    const right = new Vector3().crossVectors(this.camera.up, away).normalize();
+    const up = new Vector3().crossVectors(away, right);
+    const high = FILL * Math.tan(MathUtils.degToRad(this.camera.fov / 2));
+    const wide = high * this.camera.aspect;
+    const distance = points.reduce((most, point) => {
+      const p = point.clone().sub(middle);
+      return Math.max(most, p.dot(away) + Math.max(Math.abs(p.dot(right)) / wide, Math.abs(p.dot(up)) / high));
+    }, 0.08);
     this.controls.target.copy(middle);
-    this.camera.position.copy(middle).add(new Vector3(0.35, -1, 0.55).multiplyScalar(distance));
+    this.camera.position.copy(middle).addScaledVector(away, distance);
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Projects as the shape of the picture and the camera that one looks through want it. */
+  #project(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width === 0 || height === 0) return;
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (this.#lens === null) return;
+    this.camera.projectionMatrix.copy(projectionOf(this.#lens.pinhole, width, height, this.camera));
+    this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
   }
 
   readonly #frame = (now: number): void => {
@@ -223,8 +276,7 @@ export class Stage {
   readonly #fit = (): void => {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width === 0 || height === 0) return;
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.#project();
     this.#look();
     this.#resizeCanvas();
     // A canvas whose size has changed is empty until it is drawn.
@@ -238,7 +290,7 @@ export class Stage {
   }
 
   readonly #paint = (): void => {
-    this.scene.background = new Color(this.isDark ? 0x14181d : 0xf4f6f8);
+    this.scene.background = new Color(this.isDark ? 0x262d35 : 0xeceff2);
     this.invalidate();
   };
 }

@@ -3,8 +3,8 @@ import type { Tensor } from '../api/types';
 /** A tensor as raw bytes, as replies with `?tensors=base64` have it: little-endian, row-major. */
 export type PackedTensor = Exclude<Tensor, unknown[]>;
 
-/** Bytes of a number. */
-const SIZE = 4;
+/** Bytes of a number of each type that is read. */
+const SIZES: Partial<Record<PackedTensor['dtype'], number>> = { FLOAT32: 4, UINT32: 4, UINT8: 1 };
 
 /** Values of a FLOAT32 tensor; none if it was left out. Throws if it is something else. */
 export function floats(tensor: Tensor | undefined, name: string): Float32Array {
@@ -14,6 +14,22 @@ export function floats(tensor: Tensor | undefined, name: string): Float32Array {
 /** Values of a UINT32 tensor; none if it was left out. Throws if it is something else. */
 export function indices(tensor: Tensor | undefined, name: string): Uint32Array {
   return tensor === undefined ? new Uint32Array(0) : new Uint32Array(bytesOf(tensor, 'UINT32', name));
+}
+
+/** Values of a UINT8 tensor; none if it was left out. Throws if it is something else. */
+export function bytes(tensor: Tensor | undefined, name: string): Uint8Array {
+  return tensor === undefined ? new Uint8Array(0) : new Uint8Array(bytesOf(tensor, 'UINT8', name));
+}
+
+/** Throws if any index is not below a count. */
+export function within(values: Uint32Array, count: number, name: string): void {
+  if (values.some((value) => value >= count)) throw new Error(`${name} names what is not there`);
+}
+
+/** Values, of which there have to be as many as this; throws otherwise. */
+export function ofLength<A extends Uint32Array | Float32Array | Uint8Array>(values: A, length: number, name: string): A {
+  if (values.length !== length) throw new Error(`${name} has ${values.length} values in place of ${length}`);
+  return values;
 }
 
 /** A FLOAT32 tensor of rows, as requests have it. */
@@ -37,10 +53,10 @@ export function bytesOfBase64(text: string): Uint8Array<ArrayBuffer> {
 function bytesOf(tensor: Tensor, dtype: PackedTensor['dtype'], name: string): ArrayBuffer {
   if (Array.isArray(tensor)) throw new Error(`${name} is a list, not base64`);
   if (tensor.dtype !== dtype) throw new Error(`${name} is ${tensor.dtype}, not ${dtype}`);
-  const bytes = bytesOfBase64(tensor.data);
+  const found = bytesOfBase64(tensor.data);
   const count = tensor.shape.reduce((product, length) => product * length, 1);
-  if (bytes.length !== count * SIZE) {
-    throw new Error(`${name} has ${bytes.length} bytes, which its shape [${tensor.shape.join(', ')}] does not say`);
+  if (found.length !== count * (SIZES[dtype] ?? 0)) {
+    throw new Error(`${name} has ${found.length} bytes, which its shape [${tensor.shape.join(', ')}] does not say`);
   }
-  return bytes.buffer;
+  return found.buffer;
 }

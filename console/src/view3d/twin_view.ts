@@ -5,26 +5,30 @@ import { PointsLayer } from './layers/points';
 import { ShadowLayer } from './layers/shadow';
 import { SplatsLayer } from './layers/splats';
 import type { Legend } from './legend';
-import type { Plane, TwinShape } from './shape';
-import { placeSkin, pointCount } from './skin';
+import { sizeOf, type Plane, type TwinShape } from './shape';
+import { pointCount } from './skin';
 import { SplatBudget } from './splats/budget';
 import { SplatCount } from './splats/count';
 import type { Stage } from './stage';
+import { SkinView } from './surface/skin_view';
 
-/** Layers of a twin that can be switched on and off; `appearance` is the skin in its own colours. */
+/**
+ * Layers of a twin that can be switched on and off; `skin` is its surface, or its points where it has none, and
+ * `appearance` says that it is seen in its own colours.
+ */
 export type TwinLayer = 'skin' | 'appearance' | 'nodes' | 'springs' | 'triplets' | 'rods' | 'controls' | 'shadow';
 
 /** Quantities that a twin can be coloured by. */
 export type ColourBy = 'none' | 'stiffness' | 'strain' | 'uncertainty';
 
 const COLOURS = {
-  skin: 0x1098ad,
   nodes: 0x0b7285,
   springs: 0x6b7783,
   triplets: 0x9c36b5,
   rods: 0x5f3dc4,
   controls: 0xf08c00,
 };
+const NO_FACES = new Uint32Array(0);
 /** Strain at both ends of the colours. */
 const STRAINS: Range = { low: -0.1, high: 0.1 };
 
@@ -34,7 +38,7 @@ export class TwinView {
   readonly #shape: TwinShape;
   readonly #legend: Legend;
   readonly #endpoints: Endpoints;
-  readonly #skin: PointsLayer;
+  readonly #skin: SkinView;
   readonly #nodes: PointsLayer;
   readonly #controls: PointsLayer;
   readonly #shadow: ShadowLayer;
@@ -52,19 +56,14 @@ export class TwinView {
     this.#legend = legend;
     const [nodes, controls] = [shape.rest.length / 3, shape.controls.length / 3];
     this.#endpoints = new Endpoints(nodes, controls);
-    const points = Math.max(pointCount(shape.skin), 1);
-    // About as large as the room that a point has on the surface.
-    const room = shape.spacing * Math.min(1, Math.sqrt(nodes / points));
-    this.#skin = stage.add(
-      new PointsLayer(new Float32Array(3 * points), { size: 1.1 * room, colour: COLOURS.skin }),
-    );
+    this.#skin = new SkinView(stage, shape);
     this.#nodes = stage.add(
       new PointsLayer(new Float32Array(3 * nodes), { size: 0.45 * shape.spacing, colour: COLOURS.nodes }),
     );
     this.#controls = stage.add(
       new PointsLayer(new Float32Array(3 * controls), { size: 0.35 * shape.spacing, colour: COLOURS.controls }),
     );
-    this.#shadow = stage.add(new ShadowLayer(this.#nodes.object.geometry, 1.3 * shape.spacing));
+    this.#shadow = stage.add(new ShadowLayer(sizeOf(shape.rest)));
     this.#lines = {
       springs: stage.add(this.#springs()),
       triplets: stage.add(this.#triplets()),
@@ -78,10 +77,10 @@ export class TwinView {
 
   /** Layers that have something to show. */
   get layers(): readonly TwinLayer[] {
-    const { skin, appearance, triplets, rods, controls } = this.#shape;
+    const { skin, surface, triplets, rods, controls } = this.#shape;
     const empty: Partial<Record<TwinLayer, boolean>> = {
-      skin: pointCount(skin) === 0 && this.#splats === null,
-      appearance: appearance === null,
+      skin: pointCount(skin) === 0 && surface === null && this.#splats === null,
+      appearance: !hasColours(this.#shape),
       triplets: triplets.length === 0,
       rods: rods.length === 0,
       controls: controls.length === 0,
@@ -101,6 +100,7 @@ export class TwinView {
     this.#shadow.object.visible = this.#hasShadow && this.#plane !== null;
     // The skin is placed only while it is seen.
     this.#placeSurface();
+    this.#castShadow();
     this.#stage.invalidate();
   }
 
@@ -109,6 +109,7 @@ export class TwinView {
     this.#nodes.positions.set(nodes);
     this.#nodes.moved();
     this.#placeSurface();
+    this.#castShadow();
     this.#controls.positions.set(controls);
     this.#controls.moved();
     this.#endpoints.place(nodes, controls, holds);
@@ -120,6 +121,13 @@ export class TwinView {
     this.#plane = plane;
     this.#shadow.place(plane);
     this.#shadow.object.visible = this.#hasShadow && plane !== null;
+    this.#castShadow();
+  }
+
+  /** Marks where the skin exceeds a limit, by values of nodes from 0 to 1, shape [N]; true if marks are seen. */
+  warn(values: Float32Array | null): boolean {
+    this.#skin.warn(values);
+    return values !== null && this.#skin.isVisible && this.#skin.caster !== null;
   }
 
   /** Colours springs and triplets, or the skin, and says what the colours mean. */
@@ -172,27 +180,28 @@ export class TwinView {
   #showSurface(isShown: boolean, isOwn: boolean): void {
     this.#isOwn = isOwn;
     const asSplats = isShown && isOwn && this.#splats !== null;
-    this.#skin.object.visible = isShown && !asSplats;
+    this.#skin.isVisible = isShown && !asSplats;
     this.#colourSkin();
     if (this.#splats === null) return;
     this.#splats.object.visible = asSplats;
     if (!asSplats) this.#splatCount.hide();
   }
 
-  /** Colours the skin by what is uncertain of it, in its own colours, or in one. */
   #colourSkin(): void {
-    const { appearance, skin, skinSd } = this.#shape;
-    const colours = appearance?.skinColours ?? new Uint8Array(0);
-    if (this.#isUncertain) this.#skin.colourBy(skinSd, rangeOf(skinSd), SEQUENTIAL);
-    else if (this.#isOwn && colours.length > 0 && colours.length === 3 * pointCount(skin)) this.#skin.tint(colours);
-    else this.#skin.plain();
+    this.#skin.colour(this.#isUncertain ? 'uncertainty' : this.#isOwn ? 'own' : 'plain');
   }
 
   #placeSurface(): void {
     if (this.#splats?.object.visible === true) this.#splats.place(this.#nodes.positions);
-    if (!this.#skin.object.visible) return;
-    placeSkin(this.#shape.skin, this.#nodes.positions, this.#skin.positions);
-    this.#skin.moved(pointCount(this.#shape.skin));
+    if (this.#skin.isVisible) this.#skin.place(this.#nodes.positions);
+  }
+
+  /** Casts the shadow of the surface, or of the nodes where no surface is seen. */
+  #castShadow(): void {
+    if (!this.#shadow.object.visible) return;
+    const ofSkin = this.#skin.isVisible ? this.#skin.caster : null;
+    const positions = this.#nodes.positions;
+    this.#shadow.cast(ofSkin ?? { positions, faces: NO_FACES, radius: 0.65 * this.#shape.spacing });
   }
 
   #springs(): LinesLayer {
@@ -215,6 +224,11 @@ export class TwinView {
     const pairs = this.#shape.rods.flatMap((rod) => Array.from(rod.subarray(1), (node, i) => [rod[i]!, node]));
     return new LinesLayer(this.#endpoints, { ends: new Uint32Array(pairs.flat()), from: 0, to: 1 }, COLOURS.rods, 1);
   }
+}
+
+/** True if a twin has colours of its own. */
+export function hasColours({ appearance, surface }: Pick<TwinShape, 'appearance' | 'surface'>): boolean {
+  return appearance !== null || (surface?.colours.length ?? 0) > 0;
 }
 
 /** A value for each of the two lines of a triplet. */

@@ -8,6 +8,7 @@
 //! comes from the caller.
 
 mod error;
+mod export_format;
 mod format;
 mod gltf;
 mod mcap;
@@ -21,6 +22,7 @@ pub mod splats;
 #[cfg(test)]
 mod testing;
 mod usd;
+mod web_page;
 
 use std::{
     fs::File,
@@ -30,9 +32,11 @@ use std::{
 
 pub use self::{
     error::Error,
+    export_format::ExportFormat,
     format::Format,
     phystwin::of_phystwin,
     scene::{Motion, PointSet, Scene},
+    web_page::web_page,
 };
 
 /// Writes a scene to a file, or to a folder where [`Format::PlySequence`] is not named `.zip`.

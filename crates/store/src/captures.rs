@@ -337,7 +337,7 @@ impl Captures<'_> {
     /// # Errors
     /// [`Error::InvalidPageToken`].
     pub async fn overviews(&self, query: &ListQuery) -> Result<Page<Overview>> {
-        let Page { items, next_token } = self.list(query).await?;
+        let Page { items, next_token, total } = self.list(query).await?;
         let key = |capture: &Capture| capture.id.uuid().to_string();
         let keys: Vec<String> = items.iter().map(key).collect();
         let ingests = self.store.jobs().ingests_of(&keys).await?;
@@ -359,7 +359,7 @@ impl Captures<'_> {
             let ingest = ingests.remove(&capture.id)?;
             Some(Overview { capture, ingest, report, supplements, has_masks })
         });
-        Ok(Page { items: items.collect(), next_token })
+        Ok(Page { items: items.collect(), next_token, total })
     }
 
     /// A page of captures.
@@ -374,9 +374,10 @@ impl Captures<'_> {
             .await?;
         let items = rows.into_iter().map(Capture::try_from).collect::<Result<_>>()?;
         let listing = query.listing(Collection::Captures);
-        Ok(Page::cut(items, &query.page, &listing, |c: &Capture| {
+        let page = Page::cut(items, &query.page, &listing, |c: &Capture| {
             (c.id.uuid(), query.key(&labels::name_key(&c.labels.display_name), 0.0))
-        }))
+        });
+        Ok(page.of(query.total(self.store, Collection::Captures).await?))
     }
 
     /// Changes what people state about a capture.

@@ -1,6 +1,7 @@
 //! Labels that people give to captures, fits and twins: a name, a note and tags. Tags are in
 //! each row, to be shown, and in the table `tags`, to be searched by.
 
+use bendtwin_core::Quality;
 use sqlx::AssertSqlSafe;
 
 use crate::{
@@ -204,6 +205,12 @@ impl Store {
                     .await?;
             }
         }
+        let twins: Vec<(String, String)> =
+            query("select id, quality from twins where level is null").fetch_all(&mut tx).await?;
+        for (id, quality) in twins {
+            let update = query("update twins set level = $2 where id = $1");
+            update.bind(&id).bind(level(&quality)).execute(&mut tx).await?;
+        }
         tx.commit().await?;
         if count > 0 {
             tracing::info!(rows = count, "rows from before there were labels can be searched now");
@@ -217,8 +224,16 @@ const NO_ERROR: f64 = 1e300;
 
 /// The error of a quality table as rows have it.
 pub(crate) fn error_key(quality_json: &str) -> f64 {
-    let quality: Option<bendtwin_core::Quality> = serde_json::from_str(quality_json).ok();
-    key_of(quality.and_then(|q| q.error_m()))
+    key_of(read(quality_json).and_then(|q| q.error_m()))
+}
+
+/// The level of trust of a quality table as rows have it; empty without an assessment.
+pub(crate) fn level(quality_json: &str) -> &'static str {
+    read(quality_json).and_then(|q| q.assessment).map_or("", |assessment| assessment.level.as_str())
+}
+
+fn read(quality_json: &str) -> Option<Quality> {
+    serde_json::from_str(quality_json).ok()
 }
 
 /// The key of an error.

@@ -7,12 +7,15 @@
 
 pub(crate) mod page;
 
-use bendtwin_core::ids::CaptureId;
+use bendtwin_core::{ids::CaptureId, quality::Level};
 
 use self::page::Place;
 use crate::{
-    Error, PageRequest, Result, State, labels::Collection, owners::projects, sql::Builder,
+    Error, PageRequest, Result, State, Store, labels::Collection, owners::projects, sql::Builder,
 };
+
+/// Rows up to which a list is counted: a count reads every one of them.
+const MOST_COUNTED: i64 = 10_000;
 
 /// Key by which a list is ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +64,8 @@ pub struct ListQuery {
     pub owner: String,
     /// Who recorded it, of captures; empty means any.
     pub recorded_by: String,
+    /// The level of trust in a twin; twins alone can be filtered by it.
+    pub level: Option<Level>,
     /// An owner to whom the list is confined, with the owners who share a project with it; `None`
     /// for no bound. It is no part of the selection: a page token stays good when projects change.
     pub shared_with: Option<String>,
@@ -84,19 +89,45 @@ impl ListQuery {
             state,
             owner,
             recorded_by,
+            level,
             shared_with: _,
         } = self;
-        let selection = (order, search, tag, capture, state, owner, recorded_by);
+        let selection = (order, search, tag, capture, state, owner, recorded_by, level);
         format!("{} {selection:?}", collection.name())
     }
 
     /// The statement for a page, `select *` and one row more than the page.
     pub(crate) fn select(&self, collection: Collection) -> Result<Builder> {
         let place = self.page.place(&self.listing(collection))?;
-        let table = collection.table();
         let mut sql = Builder::new("select t.* from ");
+        self.push_matching(&mut sql, collection);
         // Tags have the ids in their order, too.
         let id = if self.tag.is_empty() { "t.id" } else { "g.resource" };
+        self.resume_after(&mut sql, id, place)?;
+        let (direction, key) = (if self.order.descending { "desc" } else { "asc" }, self.column());
+        sql.push(" order by ");
+        if let Some(key) = key {
+            sql.push(format_args!("{key} {direction}, "));
+        }
+        sql.push(format_args!("{id} {direction} limit ")).push_bind(self.page.fetch());
+        Ok(sql)
+    }
+
+    /// The number of rows of all pages, up to [`MOST_COUNTED`]; `None` behind the first page, whose reader knows it.
+    pub(crate) async fn total(&self, store: &Store, collection: Collection) -> Result<Option<u32>> {
+        if !self.page.token.is_empty() {
+            return Ok(None);
+        }
+        let mut sql = Builder::new("select count(*) from (select 1 as found from ");
+        self.push_matching(&mut sql, collection);
+        sql.push(" limit ").push_bind(MOST_COUNTED).push(") as matching");
+        let (count,): (i64,) = sql.build().fetch_one(store.inner.database.read()).await?;
+        Ok(Some(u32::try_from(count).unwrap_or(u32::MAX)))
+    }
+
+    /// The table of a collection and the conditions on its rows.
+    fn push_matching(&self, sql: &mut Builder, collection: Collection) {
+        let table = collection.table();
         if self.tag.is_empty() {
             sql.push(format_args!("{table} as t where "));
         } else {
@@ -114,11 +145,14 @@ impl ListQuery {
         if let Some(state) = self.state {
             sql.push(" and t.state = ").push_bind(state.as_str());
         }
+        if let Some(level) = self.level {
+            sql.push(" and t.level = ").push_bind(level.as_str());
+        }
         if !self.owner.is_empty() {
             sql.push(" and t.owner = ").push_bind(self.owner.clone());
         }
         if let Some(owner) = &self.shared_with {
-            projects::push_shared_with(&mut sql, "t.owner", owner);
+            projects::push_shared_with(sql, "t.owner", owner);
         }
         if !self.recorded_by.is_empty() {
             sql.push(" and t.recorded_by = ").push_bind(self.recorded_by.clone());
@@ -127,14 +161,6 @@ impl ListQuery {
             sql.push(" and t.search_text like ").push_bind(pattern(&self.search));
             sql.push(" escape '\\'");
         }
-        self.resume_after(&mut sql, id, place)?;
-        let (direction, key) = (if self.order.descending { "desc" } else { "asc" }, self.column());
-        sql.push(" order by ");
-        if let Some(key) = key {
-            sql.push(format_args!("{key} {direction}, "));
-        }
-        sql.push(format_args!("{id} {direction} limit ")).push_bind(self.page.fetch());
-        Ok(sql)
     }
 
     /// Leaves out the rows up to a place in the order.

@@ -185,9 +185,9 @@ pub(crate) async fn insert(tx: &mut Transaction, new: Insert<'_>) -> Result<Twin
     let row: Row = query(
         "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
              node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
-             request_id, mass_kg, skin_point_count, name_key, search_text, error_m, owner)
+             request_id, mass_kg, skin_point_count, name_key, search_text, error_m, level, owner)
          values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18,
-             $19, $20, $21)
+             $19, $20, $21, $22)
          returning *",
     )
     .bind(TwinId::generate().uuid().to_string())
@@ -210,6 +210,7 @@ pub(crate) async fn insert(tx: &mut Transaction, new: Insert<'_>) -> Result<Twin
     .bind(labels::name_key(new.display_name))
     .bind(labels::search_text(new.display_name, ""))
     .bind(labels::error_key(&facts.quality))
+    .bind(labels::level(&facts.quality))
     .bind(new.owner)
     .fetch_one(&mut *tx)
     .await?;
@@ -333,10 +334,11 @@ impl Twins<'_> {
             .await?;
         let items = rows.into_iter().map(Twin::try_from).collect::<Result<_>>()?;
         let listing = query.listing(Collection::Twins);
-        Ok(Page::cut(items, &query.page, &listing, |t: &Twin| {
+        let page = Page::cut(items, &query.page, &listing, |t: &Twin| {
             let name_key = labels::name_key(&t.labels.display_name);
             (t.id.uuid(), query.key(&name_key, labels::key_of(t.error_m)))
-        }))
+        });
+        Ok(page.of(query.total(self.store, Collection::Twins).await?))
     }
 
     /// Changes name, note and tags of a twin.

@@ -802,6 +802,9 @@ pub struct ListCapturesResponse {
     /// Empty on the last page.
     #[prost(string, tag = "2")]
     pub next_page_token: ::prost::alloc::string::String,
+    /// Number of captures that match the filters, counted up to 10,000. Only on the first page.
+    #[prost(uint32, optional, tag = "3")]
+    pub total_size: ::core::option::Option<u32>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct UpdateCaptureRequest {
@@ -2453,6 +2456,9 @@ pub struct ListFitsResponse {
     pub fits: ::prost::alloc::vec::Vec<Fit>,
     #[prost(string, tag = "2")]
     pub next_page_token: ::prost::alloc::string::String,
+    /// Number of fits that match the filters, counted up to 10,000. Only on the first page.
+    #[prost(uint32, optional, tag = "3")]
+    pub total_size: ::core::option::Option<u32>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct UpdateFitRequest {
@@ -3512,6 +3518,35 @@ pub mod twin_geometry {
     }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetTwinSurfaceRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct TwinSurface {
+    /// The V vertices, carried as skin points are.
+    #[prost(message, optional, tag = "1")]
+    pub carriers: ::core::option::Option<twin_geometry::Skin>,
+    /// Corners, counter-clockwise seen from outside, UINT32 \[F, 3\].
+    #[prost(message, optional, tag = "2")]
+    pub triangles: ::core::option::Option<Tensor>,
+    /// Colours as in images (sRGB), UINT8 \[V, 3\]. Empty: unknown.
+    #[prost(message, optional, tag = "3")]
+    pub colors: ::core::option::Option<Tensor>,
+    /// Nodes of the tubes, one tube after another: UINT32 \[tubes + 1\] offsets into UINT32 \[..\] nodes. The last node of a
+    /// closed tube is its first.
+    #[prost(message, optional, tag = "4")]
+    pub tube_starts: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "5")]
+    pub tube_nodes: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[tubes\], metres.
+    #[prost(message, optional, tag = "6")]
+    pub tube_radii: ::core::option::Option<Tensor>,
+    /// Number of the twin's nodes.
+    #[prost(uint32, tag = "7")]
+    pub node_count: u32,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateTwinRequest {
     #[prost(oneof = "create_twin_request::Part", tags = "1, 2")]
     pub part: ::core::option::Option<create_twin_request::Part>,
@@ -3562,6 +3597,9 @@ pub struct ListTwinsRequest {
     /// Only twins of this owner.
     #[prost(string, tag = "7")]
     pub owner: ::prost::alloc::string::String,
+    /// Only twins with this level of trust: `good`, `fair`, `poor` or `unknown` in the assessment of the quality table.
+    #[prost(string, tag = "8")]
+    pub level: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListTwinsResponse {
@@ -3569,6 +3607,9 @@ pub struct ListTwinsResponse {
     pub twins: ::prost::alloc::vec::Vec<Twin>,
     #[prost(string, tag = "2")]
     pub next_page_token: ::prost::alloc::string::String,
+    /// Number of twins that match the filters, counted up to 10,000. Only on the first page.
+    #[prost(uint32, optional, tag = "3")]
+    pub total_size: ::core::option::Option<u32>,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct UpdateTwinRequest {
@@ -3858,6 +3899,29 @@ pub mod twin_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.TwinService", "GetTwinGeometry"));
             self.inner.unary(req, path, codec).await
         }
+        /// The surface of a twin for the eye: a closed triangle mesh in the object's colours, or tubes along cables. It is
+        /// made here for a twin whose file has none.
+        pub async fn get_twin_surface(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetTwinSurfaceRequest>,
+        ) -> std::result::Result<tonic::Response<super::TwinSurface>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TwinService/GetTwinSurface",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TwinService", "GetTwinSurface"));
+            self.inner.unary(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -3919,6 +3983,12 @@ pub mod twin_service_server {
             &self,
             request: tonic::Request<super::GetTwinGeometryRequest>,
         ) -> std::result::Result<tonic::Response<super::TwinGeometry>, tonic::Status>;
+        /// The surface of a twin for the eye: a closed triangle mesh in the object's colours, or tubes along cables. It is
+        /// made here for a twin whose file has none.
+        async fn get_twin_surface(
+            &self,
+            request: tonic::Request<super::GetTwinSurfaceRequest>,
+        ) -> std::result::Result<tonic::Response<super::TwinSurface>, tonic::Status>;
     }
     /// Fitted twins.
     #[derive(Debug)]
@@ -4300,6 +4370,51 @@ pub mod twin_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = GetTwinGeometrySvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TwinService/GetTwinSurface" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetTwinSurfaceSvc<T: TwinService>(pub Arc<T>);
+                    impl<
+                        T: TwinService,
+                    > tonic::server::UnaryService<super::GetTwinSurfaceRequest>
+                    for GetTwinSurfaceSvc<T> {
+                        type Response = super::TwinSurface;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetTwinSurfaceRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TwinService>::get_twin_surface(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetTwinSurfaceSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

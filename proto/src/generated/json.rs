@@ -691,13 +691,14 @@ written!(crate::v1::ListCapturesRequest);
 
 impl Fields for crate::v1::ListCapturesResponse {
     const NAME: &'static str = "ListCapturesResponse";
-    const FIELDS: &'static [&'static str] = &["captures", "next_page_token"];
+    const FIELDS: &'static [&'static str] = &["captures", "next_page_token", "total_size"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.captures = messages(map)?; }
 1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.total_size = map.next_value()?; }
 
             _ => {}
         }
@@ -707,6 +708,7 @@ impl Fields for crate::v1::ListCapturesResponse {
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         write_messages(map, "captures", &self.captures, tensors)?;
 map.serialize_entry("next_page_token", &self.next_page_token)?;
+if let Some(value) = &self.total_size { map.serialize_entry("total_size", value)?; }
 
         Ok(())
     }
@@ -981,13 +983,14 @@ written!(crate::v1::ListFitsRequest);
 
 impl Fields for crate::v1::ListFitsResponse {
     const NAME: &'static str = "ListFitsResponse";
-    const FIELDS: &'static [&'static str] = &["fits", "next_page_token"];
+    const FIELDS: &'static [&'static str] = &["fits", "next_page_token", "total_size"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.fits = messages(map)?; }
 1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.total_size = map.next_value()?; }
 
             _ => {}
         }
@@ -997,6 +1000,7 @@ impl Fields for crate::v1::ListFitsResponse {
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         write_messages(map, "fits", &self.fits, tensors)?;
 map.serialize_entry("next_page_token", &self.next_page_token)?;
+if let Some(value) = &self.total_size { map.serialize_entry("total_size", value)?; }
 
         Ok(())
     }
@@ -1373,6 +1377,60 @@ write_tensor(map, "offsets", self.offsets.as_ref(), tensors)?;
 }
 written!(crate::v1::twin_geometry::Skin);
 
+impl Fields for crate::v1::GetTwinSurfaceRequest {
+    const NAME: &'static str = "GetTwinSurfaceRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetTwinSurfaceRequest);
+
+impl Fields for crate::v1::TwinSurface {
+    const NAME: &'static str = "TwinSurface";
+    const FIELDS: &'static [&'static str] = &["carriers", "triangles", "colors", "tube_starts", "tube_nodes", "tube_radii", "node_count"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.carriers = message(map)?; }
+1 => { self.triangles = tensor(map, Dtype::Float32)?; }
+2 => { self.colors = tensor(map, Dtype::Float32)?; }
+3 => { self.tube_starts = tensor(map, Dtype::Float32)?; }
+4 => { self.tube_nodes = tensor(map, Dtype::Float32)?; }
+5 => { self.tube_radii = tensor(map, Dtype::Float32)?; }
+6 => { self.node_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "carriers", self.carriers.as_ref(), tensors)?;
+write_tensor(map, "triangles", self.triangles.as_ref(), tensors)?;
+write_tensor(map, "colors", self.colors.as_ref(), tensors)?;
+write_tensor(map, "tube_starts", self.tube_starts.as_ref(), tensors)?;
+write_tensor(map, "tube_nodes", self.tube_nodes.as_ref(), tensors)?;
+write_tensor(map, "tube_radii", self.tube_radii.as_ref(), tensors)?;
+map.serialize_entry("node_count", &self.node_count)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::TwinSurface);
+
 impl Fields for crate::v1::TwinMetadata {
     const NAME: &'static str = "TwinMetadata";
     const FIELDS: &'static [&'static str] = &["display_name", "digest"];
@@ -1419,7 +1477,7 @@ written!(crate::v1::GetTwinRequest);
 
 impl Fields for crate::v1::ListTwinsRequest {
     const NAME: &'static str = "ListTwinsRequest";
-    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "capture", "search", "tag", "order_by", "owner"];
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token", "capture", "search", "tag", "order_by", "owner", "level"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -1431,6 +1489,7 @@ impl Fields for crate::v1::ListTwinsRequest {
 4 => { self.tag = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 5 => { self.order_by = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 6 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.level = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1445,6 +1504,7 @@ map.serialize_entry("search", &self.search)?;
 map.serialize_entry("tag", &self.tag)?;
 map.serialize_entry("order_by", &self.order_by)?;
 map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("level", &self.level)?;
 
         Ok(())
     }
@@ -1453,13 +1513,14 @@ written!(crate::v1::ListTwinsRequest);
 
 impl Fields for crate::v1::ListTwinsResponse {
     const NAME: &'static str = "ListTwinsResponse";
-    const FIELDS: &'static [&'static str] = &["twins", "next_page_token"];
+    const FIELDS: &'static [&'static str] = &["twins", "next_page_token", "total_size"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.twins = messages(map)?; }
 1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.total_size = map.next_value()?; }
 
             _ => {}
         }
@@ -1469,6 +1530,7 @@ impl Fields for crate::v1::ListTwinsResponse {
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         write_messages(map, "twins", &self.twins, tensors)?;
 map.serialize_entry("next_page_token", &self.next_page_token)?;
+if let Some(value) = &self.total_size { map.serialize_entry("total_size", value)?; }
 
         Ok(())
     }

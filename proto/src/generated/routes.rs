@@ -58,6 +58,8 @@ Rpc { path: "/bendtwin.v1.TwinService/ExportTwin", scope: Scope::TwinsRead, audi
     Route { method: "GET", path: "/v1/twins/{id}/content", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TwinService/GetTwinGeometry", scope: Scope::TwinsRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/twins/{id}/geometry", status: 200, secret: false, messages: None },] },
+Rpc { path: "/bendtwin.v1.TwinService/GetTwinSurface", scope: Scope::TwinsRead, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/twins/{id}/surface", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.TrashService/ListTrashedCaptures", scope: Scope::CapturesRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/trash/captures", status: 200, secret: false, messages: Some(Messages { source: Source::Query, has_request_id: false, read: |given| read::<crate::v1::ListTrashedCapturesRequest>(given, |_, _| {  }), write: |reply| write::<crate::v1::ListTrashedCapturesResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.TrashService/ListTrashedFits", scope: Scope::FitsRead, audited: false, routes: &[

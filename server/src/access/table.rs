@@ -42,16 +42,23 @@ const OTHERS: [(&str, Access); 11] = [
     ("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", Anyone),
 ];
 
+/// Pages of the console that are lists: these addresses and those below lead to them, which tells nothing.
+pub(crate) const PAGES: [&str; 7] =
+    ["/captures", "/fits", "/twins", "/upload", "/trash", "/workers", "/login"];
+
 /// Condition of each route, `METHOD /path`, and of each RPC, `/package.Service/Method`.
 pub static TABLE: LazyLock<Vec<(String, Access)>> = LazyLock::new(|| {
     let named = |(name, scope): &(&str, wire::Scope)| Some(((*name).to_owned(), access(*scope)?));
     let others = OTHERS.iter().map(|(name, access)| ((*name).to_owned(), *access));
+    let pages = PAGES.iter().flat_map(|page| {
+        [format!("GET {page}"), format!("GET {page}/{{*rest}}")].map(|name| (name, Open))
+    });
     let rpcs = RPCS.iter().flat_map(|rpc| {
         let routes = rpc.routes.iter().map(|route| format!("{} {}", route.method, route.path));
         let names = routes.chain([rpc.path.to_owned()]);
         names.filter_map(|name| Some((name, access(rpc.scope)?)))
     });
-    others.chain(BY_HAND.iter().filter_map(named)).chain(rpcs).collect()
+    others.chain(pages).chain(BY_HAND.iter().filter_map(named)).chain(rpcs).collect()
 });
 
 /// The condition that the contract states.

@@ -1,6 +1,9 @@
 //! Names, notes and tags that people give, and the lists that are searched and sorted by them.
 
-use bendtwin_core::ids::{CaptureId, FitId};
+use bendtwin_core::{
+    ids::{CaptureId, FitId},
+    quality::Level,
+};
 use bendtwin_proto::v1::{self, Fit, UpdateFitRequest, UpdateTwinRequest};
 use bendtwin_store::{
     Job, LabelChange, ListQuery, MAX_TAGS, Order, OrderKey, PageRequest, State, Twin,
@@ -47,6 +50,7 @@ pub(crate) struct Listing {
     pub(crate) state: Option<State>,
     pub(crate) owner: String,
     pub(crate) order_by: String,
+    pub(crate) level: String,
 }
 
 impl Mask {
@@ -117,15 +121,16 @@ impl GivenLabels {
 impl Listing {
     /// The query, confined to what the caller reaches with a scope and ordered by one of these keys.
     pub(super) fn query(self, scope: Scope, keys: &[(&str, OrderKey)]) -> Result<ListQuery> {
-        let Self { page, search, tag, capture, state, owner, order_by } = self;
+        let Self { page, search, tag, capture, state, owner, order_by, level } = self;
         if search.chars().count() > SEARCH_LENGTH {
             let fault = format!("is longer than {SEARCH_LENGTH} characters");
             return Err(Error::invalid("search", fault));
         }
         let capture: Option<CaptureId> = super::optional_name(&capture)?;
         let (owner, order) = (self::owner(owner)?, order(&order_by, keys)?);
-        let shared_with = rights::confined(scope);
-        Ok(ListQuery { search, tag, capture, state, owner, order, shared_with, ..page.into() })
+        let (level, shared_with) = (self::level(&level)?, rights::confined(scope));
+        let query = ListQuery { search, tag, capture, state, owner, order, level, ..page.into() };
+        Ok(ListQuery { shared_with, ..query })
     }
 }
 
@@ -152,6 +157,17 @@ fn order(text: &str, keys: &[(&str, OrderKey)]) -> Result<Order> {
             Err(Error::invalid("order_by", fault))
         }
     }
+}
+
+/// The level of trust of a word; empty means any.
+fn level(word: &str) -> Result<Option<Level>> {
+    if word.is_empty() {
+        return Ok(None);
+    }
+    let level = Level::ALL.into_iter().find(|level| level.as_str() == word);
+    let words = || Level::ALL.map(Level::as_str).join(", ");
+    let fault = || Error::invalid("level", format!("must be one of {}", words()));
+    level.map(Some).ok_or_else(fault)
 }
 
 /// Checks a display name.

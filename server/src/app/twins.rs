@@ -1,14 +1,28 @@
-//! Twins: read, exported, imported.
+//! Twins: read, exported, imported, and shown: geometry, surface, pictures, files of other programs.
 
+mod export;
+mod geometry;
+mod surface;
+mod thumbnail;
+
+use std::sync::Arc;
+
+use bendtwin_budget::Share;
+use bendtwin_contract::rollout;
+use bendtwin_core::{Twin as TwinFile, ids::TwinId};
 use bendtwin_proto::v1::TwinMetadata;
 use bendtwin_store::{Content, NewTwin, Page, Twin};
+use futures::TryStreamExt as _;
 
 use super::{
-    App, Body, Result,
+    App, Body, Error, Result,
     labels::{Listing, ORDERS},
     receive::Receiving,
 };
 use crate::{access::Scope, audit, context::Context};
+
+pub(super) use thumbnail::Drawing;
+pub(crate) use {export::Exported, geometry::Geometry, surface::SurfaceReply, thumbnail::Shown};
 
 impl App {
     /// Imports a twin file after checking all of it.
@@ -54,5 +68,37 @@ impl App {
 
     pub(crate) async fn twin_content(&self, name: &str) -> Result<(Twin, Content)> {
         Ok(self.store.twins().content(self.reach(Scope::TwinsRead, name).await?).await?)
+    }
+
+    /// What `read` makes of the row of a twin and its file, beside the tasks of the runtime.
+    async fn read_twin<T: Send + 'static>(
+        &self,
+        twin: TwinId,
+        read: impl FnOnce(&Twin, &TwinFile) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        let (row, content) = self.store.twins().content(twin).await?;
+        let share = self.memory.twin_file(content.size_bytes).await?;
+        let chunks: Vec<_> = content.chunks.try_collect().await?;
+        let reading = tokio::task::spawn_blocking(move || {
+            let _share = share;
+            let twin = TwinFile::decode(&chunks.concat())?;
+            drop(chunks);
+            read(&row, &twin)
+        });
+        reading.await.map_err(|e| Error::Internal(format!("reading a twin file: {e}")))?
+    }
+
+    /// Memory of a reply with tensors of `bytes`, which as nested lists of JSON may not be large.
+    async fn hold_tensors(&self, bytes: u64, as_lists: bool) -> Result<Arc<Share>> {
+        let limit = self.options.limits.rollout.json_reply_bytes;
+        if as_lists && bytes > limit {
+            return Err(Error::Rollout(rollout::Error::TooLarge {
+                what: "the size of the reply in bytes",
+                asked: bytes,
+                limit,
+                advice: "ask for tensors=base64, or over gRPC",
+            }));
+        }
+        Ok(Arc::new(self.memory.reply(bytes).await?))
     }
 }

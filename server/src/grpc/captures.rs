@@ -47,6 +47,7 @@ impl CaptureService for Api {
         Ok(Response::new(ListCapturesResponse {
             captures: page.items.into_iter().map(convert::capture).collect(),
             next_page_token: page.next_token,
+            total_size: page.total,
         }))
     }
 

@@ -49,11 +49,13 @@ impl FitService for Api {
                 state: convert::read_state(r.state)?,
                 owner: r.owner,
                 order_by: r.order_by,
+                ..Listing::default()
             })
             .await?;
         Ok(Response::new(ListFitsResponse {
             fits: page.items.into_iter().map(convert::fit).collect(),
             next_page_token: page.next_token,
+            total_size: page.total,
         }))
     }
 

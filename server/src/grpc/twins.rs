@@ -2,9 +2,9 @@
 
 use bendtwin_proto::v1::{
     CreateTwinRequest, DeleteTwinRequest, DeleteTwinResponse, ExportTwinRequest,
-    ExportTwinResponse, GetTwinGeometryRequest, GetTwinRequest, ListTwinsRequest,
-    ListTwinsResponse, Twin, TwinGeometry, UpdateTwinRequest, create_twin_request,
-    twin_service_server::TwinService,
+    ExportTwinResponse, GetTwinGeometryRequest, GetTwinRequest, GetTwinSurfaceRequest,
+    ListTwinsRequest, ListTwinsResponse, Twin, TwinGeometry, TwinSurface, UpdateTwinRequest,
+    create_twin_request, twin_service_server::TwinService,
 };
 use tonic::{Request, Response, Status, Streaming};
 
@@ -45,12 +45,14 @@ impl TwinService for Api {
                 capture: r.capture,
                 owner: r.owner,
                 order_by: r.order_by,
+                level: r.level,
                 ..Listing::default()
             })
             .await?;
         Ok(Response::new(ListTwinsResponse {
             twins: page.items.into_iter().map(convert::twin).collect(),
             next_page_token: page.next_token,
+            total_size: page.total,
         }))
     }
 
@@ -76,6 +78,14 @@ impl TwinService for Api {
     ) -> Result<Response<TwinGeometry>, Status> {
         let geometry = self.app.twin_geometry(&request.get_ref().name, false).await?;
         Ok(Response::new(geometry.message))
+    }
+
+    async fn get_twin_surface(
+        &self,
+        request: Request<GetTwinSurfaceRequest>,
+    ) -> Result<Response<TwinSurface>, Status> {
+        let surface = self.app.twin_surface(&request.get_ref().name, false).await?;
+        Ok(Response::new(surface.message))
     }
 
     type ExportTwinStream = Reply<ExportTwinResponse>;

@@ -11,14 +11,14 @@ use axum::{
     Router,
     extract::Request,
     http::{HeaderMap, HeaderName, StatusCode, header},
-    response::{IntoResponse, Response},
+    response::{IntoResponse, Redirect, Response},
     routing::get,
 };
 use bytes::Bytes;
 use flate2::read::GzDecoder;
 
 use super::no_such_route;
-use crate::app::App;
+use crate::{access::PAGES, app::App};
 
 /// Address, media type and compressed content of each file.
 const FILES: &[(&str, &str, &[u8])] = include!("../../../console/built/files.rs");
@@ -50,6 +50,21 @@ pub(super) fn router() -> Router<App> {
         // The page to which an identity provider sends a browser back.
         .route("/sign-in", get(page))
         .route("/assets/{file}", get(file))
+        .merge(pages())
+}
+
+/// Addresses of pages as people type them, without the `#`.
+fn pages() -> Router<App> {
+    PAGES.iter().fold(Router::new(), |router, page| {
+        let below = format!("{page}/{{*rest}}");
+        router.route(page, get(to_page)).route(&below, get(to_page))
+    })
+}
+
+/// Leads to the page behind the `#`.
+async fn to_page(request: Request) -> Redirect {
+    let wanted = request.uri().path_and_query().map_or("/", |path| path.as_str());
+    Redirect::to(&format!("/#{wanted}"))
 }
 
 async fn file(request: Request) -> Response {

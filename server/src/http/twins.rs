@@ -1,11 +1,16 @@
 //! `/v1/twins`: imports, downloads and geometry.
 
+use std::convert::Infallible;
+
 use axum::{
+    body::Body,
     extract::{Request, State},
     http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use bendtwin_proto::{json::TensorFormat, v1::TwinMetadata};
+use bytes::Bytes;
+use futures::stream;
 use serde::Deserialize;
 
 use super::{
@@ -16,9 +21,14 @@ use super::{
     rollouts::document::answer,
 };
 use crate::{
-    app::{App, Geometry},
+    app::{App, Exported, Geometry, SurfaceReply},
     grpc::convert,
 };
+
+/// Format of an export that is not said.
+const FORMAT: &str = "glb";
+/// Bytes of a chunk of an export.
+const CHUNK: usize = 64 << 10;
 
 /// Import a twin file
 pub(super) async fn create(
@@ -53,6 +63,49 @@ pub(super) async fn geometry(
     let as_lists = params.tensors == TensorFormat::Lists;
     let Geometry { message, held } = app.twin_geometry(&id, as_lists).await?;
     Ok(answer(message, held, params.tensors)?)
+}
+
+/// The surface of a twin
+pub(super) async fn surface(
+    State(app): State<App>,
+    Id(id): Id,
+    Params(params): Params<TensorParams>,
+) -> Result<Response> {
+    let as_lists = params.tensors == TensorFormat::Lists;
+    let SurfaceReply { message, held } = app.twin_surface(&id, as_lists).await?;
+    Ok(answer(message, held, params.tensors)?)
+}
+
+/// The format of an export.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExportParams {
+    /// A word of `bendtwin twin export --format`; `glb` by default.
+    format: Option<String>,
+}
+
+/// Download a twin in the format of another program
+pub(super) async fn export(
+    State(app): State<App>,
+    Id(id): Id,
+    Params(params): Params<ExportParams>,
+) -> Result<Response> {
+    let Exported { bytes, extension, held } =
+        app.export_as(&id, params.format.as_deref().unwrap_or(FORMAT)).await?;
+    let file_name = format!("{}.{extension}", id.trim_start_matches("twins/"));
+    let headers = [
+        (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\"")),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
+        (header::CONTENT_LENGTH, bytes.len().to_string()),
+    ];
+    // In chunks, so that its memory is held until the client has read it.
+    let bytes = Bytes::from(bytes);
+    let chunks = (0..bytes.len()).step_by(CHUNK).map(move |from| {
+        let _held = &held;
+        Ok::<_, Infallible>(bytes.slice(from..bytes.len().min(from + CHUNK)))
+    });
+    Ok((headers, Body::from_stream(stream::iter(chunks))).into_response())
 }
 
 /// Download a twin file

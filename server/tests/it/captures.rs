@@ -41,7 +41,7 @@ async fn http_round_trip() {
 
     assert_eq!(server.get(&location).await, (200, created.clone()));
     let (_, list) = server.get("/v1/captures?page_size=1").await;
-    assert_eq!(list, json!({"captures": [created], "next_page_token": ""}));
+    assert_eq!(list, json!({"captures": [created], "next_page_token": "", "total_size": 1}));
     let got = server.http.get(server.url(&format!("{location}/content"))).send().await.unwrap();
     assert_eq!(got.headers()["content-length"], "3000000");
     let tag = format!("\"{}\"", digest.to_hex());

@@ -48,6 +48,23 @@ async fn the_page_and_its_files_need_no_token_and_the_api_still_does() {
     }
 }
 
+#[tokio::test]
+async fn addresses_without_the_mark_lead_to_their_pages() {
+    let server = Server::start_with(|o| o.client_token = ClientTokenPolicy::Required).await;
+    let http =
+        reqwest::Client::builder().redirect(reqwest::redirect::Policy::none()).build().unwrap();
+    for path in
+        ["/captures", "/twins/1234/play", "/fits?state=failed", "/captures/1/playback?twin=2"]
+    {
+        let response = http.get(server.url(path)).send().await.unwrap();
+        assert_eq!(response.status(), 303, "{path}");
+        assert_eq!(text(response.headers(), "location"), format!("/#{path}"));
+    }
+    for path in ["/captures2", "/twin", "/v1/twins/1"] {
+        assert_eq!(get(&server, path, &[]).await.status(), 401, "{path}");
+    }
+}
+
 /// The page of the API, and all that is not a page.
 #[tokio::test]
 async fn other_responses_are_closed_to_strange_content_too() {

@@ -1,9 +1,11 @@
 use bendtwin_core::{
-    Graph, Identifiability, NodeKind, Params, Pin, Skin, Timing, Twin, identifiability::Region,
+    Graph, Identifiability, NodeKind, Params, Pin, Point, Skin, Surface, Timing, Twin,
+    identifiability::Region,
+    quality::{Assessment, Level},
 };
 use bendtwin_proto::v1::{
-    CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
-    TwinMetadata, create_twin_request::Part,
+    CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, GetTwinSurfaceRequest,
+    ListTwinsRequest, Tensor, TwinMetadata, create_twin_request::Part,
 };
 use bytes::Bytes;
 use serde_json::json;
@@ -132,6 +134,137 @@ async fn the_geometry_of_a_twin_is_served_over_both_transports() {
     assert_eq!(packed["hands"]["shape"], json!([3]));
     let absent = name.replace(|c: char| c.is_ascii_digit(), "0");
     assert_eq!(server.get(&format!("/v1/{absent}/geometry")).await.0, 404);
+}
+
+/// A twin of one triangle, in one colour.
+fn triangle() -> Twin {
+    let mut twin = Twin::decode(&twin_file()).unwrap();
+    let mut carriers = Skin { starts: vec![0], ..Skin::default() };
+    for (node, offset) in [(0, [0.0; 3]), (1, [0.0; 3]), (0, [0.0, 0.0, 0.2])] {
+        carriers.push(Graph::NOT_OBSERVED, &[(node, 1.0)], [Skin::NO_FRAME; 3], offset);
+    }
+    let colors = vec![[10, 200, 30]; 3];
+    twin.surface =
+        Some(Surface { carriers, triangles: vec![[0, 1, 2]], colors, ..Surface::default() });
+    twin
+}
+
+#[tokio::test]
+async fn a_surface_is_served_drawn_and_exported() {
+    let server = Server::start().await;
+    let twin = triangle();
+    let request = server.http.post(server.url("/v1/twins")).body(twin.encode().unwrap());
+    let (_, stored) = read(request.send().await.unwrap()).await;
+    let path = format!("/v1/{}", stored["name"].as_str().unwrap());
+    let request = GetTwinSurfaceRequest { name: stored["name"].as_str().unwrap().to_owned() };
+    let surface = server.twins().get_twin_surface(request).await.unwrap().into_inner();
+    let triangles = surface.triangles.unwrap().unpack::<u32>("t").unwrap();
+    assert_eq!(triangles, (vec![1, 3], vec![0, 1, 2]));
+    assert_eq!(surface.node_count, 2);
+    let (status, lists) = server.get(&format!("{path}/surface")).await;
+    assert_eq!((status, &lists["colors"][1]), (200, &json!([10, 200, 30])));
+    assert_eq!(lists["carriers"]["offsets"][2][2].as_f64().map(|z| z as f32), Some(0.2));
+
+    let get = async |path: String| server.http.get(server.url(&path)).send().await.unwrap();
+    let picture = get(format!("{path}/thumbnail?width=64")).await;
+    assert_eq!(picture.headers()["content-type"], "image/png");
+    let tag = picture.headers()["etag"].clone();
+    let bytes = picture.bytes().await.unwrap();
+    assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+    assert_eq!((&bytes[16..20], &bytes[20..24]), (&[0, 0, 0, 64][..], &[0, 0, 0, 48][..]));
+    assert_eq!(get(format!("{path}/thumbnail?width=64")).await.bytes().await.unwrap(), bytes);
+    let again = server.http.get(server.url(&format!("{path}/thumbnail?width=64")));
+    assert_eq!(again.header("if-none-match", tag).send().await.unwrap().status(), 304);
+    for width in ["0", "15", "1025", "x", "-1"] {
+        assert_eq!(get(format!("{path}/thumbnail?width={width}")).await.status(), 400, "{width}");
+    }
+
+    let file = get(format!("{path}/export?format=glb")).await;
+    let name = file.headers()["content-disposition"].to_str().unwrap().to_owned();
+    assert!(name.ends_with(".glb\""), "{name}");
+    assert_eq!(&file.bytes().await.unwrap()[..4], b"glTF");
+    let file = get(format!("{path}/export?format=twin")).await.bytes().await.unwrap();
+    assert_eq!(Twin::decode(&file).unwrap().surface, twin.surface);
+    let page = get(format!("{path}/export?format=html")).await;
+    let name = page.headers()["content-disposition"].to_str().unwrap().to_owned();
+    assert!(name.starts_with("attachment") && name.ends_with(".html\""), "{name}");
+    assert!(page.text().await.unwrap().starts_with("<!doctype html>"));
+    for (format, reason) in [("stl", "INVALID_FIELD"), ("splats", "EXPORT_NO_SPLATS")] {
+        let (status, problem) = server.get(&format!("{path}/export?format={format}")).await;
+        assert_eq!((status, &problem["reason"]), (400, &json!(reason)));
+    }
+}
+
+#[tokio::test]
+async fn a_twin_without_a_surface_gets_one_unless_its_points_are_too_few() {
+    let server = Server::start().await;
+    let mut few = Twin::decode(&twin_file()).unwrap();
+    // A spring between two nodes would be a cable.
+    few.graph.springs.clear();
+    few.params.rest_lengths_m.clear();
+    few.params.spring_stiffness.clear();
+    few.params.spring_dashpot.clear();
+    let request = server.http.post(server.url("/v1/twins")).body(few.encode().unwrap());
+    let (_, stored) = read(request.send().await.unwrap()).await;
+    let path = format!("/v1/{}", stored["name"].as_str().unwrap());
+    for part in ["surface", "thumbnail"] {
+        let (status, problem) = server.get(&format!("{path}/{part}")).await;
+        assert_eq!((status, &problem["reason"]), (404, &json!("SURFACE_MISSING")), "{part}");
+    }
+    // It is written as what it has.
+    let file = server.http.get(server.url(&format!("{path}/export?format=ply"))).send().await;
+    assert_eq!(&file.unwrap().bytes().await.unwrap()[..3], b"ply");
+
+    let side = 6;
+    let at = |i: usize| (i % side) as f32 * 0.02;
+    let points: Vec<Point> =
+        (0..side.pow(3)).map(|i| [at(i), at(i / side), at(i / side / side)]).collect();
+    let count = points.len();
+    let graph = Graph {
+        rest_positions: points,
+        kinds: vec![NodeKind::Observed; count],
+        masses: vec![1.0; count],
+        object_ids: vec![0; count],
+        observed_points: vec![Graph::NOT_OBSERVED; count],
+        ..Graph::default()
+    };
+    let block = Twin::new(graph, Params::default(), Timing { fps: 30.0, substeps: 10 });
+    let request = server.http.post(server.url("/v1/twins")).body(block.encode().unwrap());
+    let (status, stored) = read(request.send().await.unwrap()).await;
+    assert_eq!(status, 201, "{stored}");
+    let path = format!("/v1/{}", stored["name"].as_str().unwrap());
+    let (status, surface) = server.get(&format!("{path}/surface")).await;
+    assert_eq!(status, 200, "{surface}");
+    assert!(surface["triangles"].as_array().unwrap().len() > 100);
+    assert_eq!(server.get(&format!("{path}/thumbnail")).await.0, 200);
+}
+
+#[tokio::test]
+async fn twins_are_filtered_by_their_level_and_lists_are_counted() {
+    let server = Server::start().await;
+    for level in [Some(Level::Fair), Some(Level::Good), Some(Level::Fair), None] {
+        let mut twin = Twin::decode(&twin_file()).unwrap();
+        twin.quality.assessment =
+            level.map(|level| Assessment { level, why: "It is.".into(), next: String::new() });
+        let request = server.http.post(server.url("/v1/twins")).body(twin.encode().unwrap());
+        assert_eq!(request.send().await.unwrap().status(), 201);
+    }
+    let count = async |query: &str| {
+        let (status, list) = server.get(&format!("/v1/twins{query}")).await;
+        assert_eq!(status, 200, "{list}");
+        (list["twins"].as_array().map_or(0, Vec::len), list["total_size"].clone())
+    };
+    assert_eq!(count("").await, (4, json!(4)));
+    assert_eq!(count("?level=fair&page_size=1").await, (1, json!(2)));
+    assert_eq!(count("?level=poor").await, (0, json!(0)));
+    let (_, list) = server.get("/v1/twins?level=fair&page_size=1").await;
+    let next = list["next_page_token"].as_str().unwrap();
+    let (_, list) =
+        server.get(&format!("/v1/twins?level=fair&page_size=1&page_token={next}")).await;
+    assert_eq!(list.get("total_size"), None, "only the first page is counted");
+    // A token belongs to its list.
+    assert_eq!(server.get(&format!("/v1/twins?level=good&page_token={next}")).await.0, 400);
+    assert_eq!(server.get("/v1/twins?level=best").await.0, 400);
 }
 
 #[tokio::test]

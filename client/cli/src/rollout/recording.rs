@@ -84,7 +84,7 @@ impl Recording {
         let format = match format {
             Some(format) => format,
             None if is_npy => RecordingFormat::Npy,
-            None => RecordingFormat::Of(exchange::format_of(&path, None)?),
+            None => RecordingFormat::Of(exchange::format_of(&path)?),
         };
         match format {
             RecordingFormat::Npy

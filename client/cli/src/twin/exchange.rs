@@ -62,9 +62,9 @@ impl Points {
     }
 }
 
-/// The format of a file: the one that was said, or else that of its name.
-pub(crate) fn format_of(path: &Path, said: Option<Format>) -> anyhow::Result<Format> {
-    said.map_or_else(|| Format::of_path(path).map_err(failure::failed), Ok)
+/// The format of a file by its name.
+pub(crate) fn format_of(path: &Path) -> anyhow::Result<Format> {
+    Format::of_path(path).map_err(failure::failed)
 }
 
 fn read_mesh(path: &Path) -> anyhow::Result<Mesh> {

@@ -31,6 +31,17 @@ impl Source {
             }
         }
     }
+
+    /// Name of the twin for people; the id of a twin without a name.
+    pub(super) async fn title(&self, global: &Global) -> anyhow::Result<String> {
+        match self {
+            Self::Server(id) => {
+                let name = global.connect().await?.twins().get(*id).await?.display_name;
+                Ok(if name.is_empty() { id.to_string() } else { name })
+            }
+            Self::File(path) => Ok(super::stem(path)),
+        }
+    }
 }
 
 impl FromStr for Source {

@@ -96,6 +96,7 @@ from bendtwin.simulation.world import (
     World,
 )
 from bendtwin.skin import Skin
+from bendtwin.surface import Surface, Tube
 from bendtwin.twin import Twin
 
 __all__ = [
@@ -173,10 +174,12 @@ __all__ = [
     "StoredBytes",
     "Strain",
     "Supplement",
+    "Surface",
     "TargetCloud",
     "Timing",
     "Tracking",
     "Trashed",
+    "Tube",
     "Twin",
     "TwinInfo",
     "Vary",

@@ -39,6 +39,7 @@ from bendtwin.resources import (
 )
 from bendtwin.simulation.plan import PlanUpdate
 from bendtwin.simulation.rollout import RolloutResult, warned
+from bendtwin.surface import Surface
 from bendtwin.v1 import (
     capture_pb2,
     capture_pb2_grpc,
@@ -367,9 +368,9 @@ def get_twin(name: str) -> Call[TwinInfo]:
     return Call(lambda s: s.twins.GetTwin, request, TwinInfo.from_proto)
 
 
-def list_twins(capture: str, choice: ListArguments) -> Pages[TwinInfo]:
-    """Twins, of all captures or one."""
-    request = twin_pb2.ListTwinsRequest(capture=capture, **choice)
+def list_twins(capture: str, level: str, choice: ListArguments) -> Pages[TwinInfo]:
+    """Twins, of all captures or one, of all levels of trust or one."""
+    request = twin_pb2.ListTwinsRequest(capture=capture, level=level, **choice)
     return Pages(
         lambda s: s.twins.ListTwins,
         request,
@@ -429,6 +430,12 @@ def twin_geometry(name: str) -> Call[Geometry]:
     """Nodes, springs and control points of a twin."""
     request = twin_pb2.GetTwinGeometryRequest(name=name)
     return Call(lambda s: s.twins.GetTwinGeometry, request, Geometry.from_proto)
+
+
+def twin_surface(name: str) -> Call[Surface]:
+    """The surface of a twin."""
+    request = twin_pb2.GetTwinSurfaceRequest(name=name)
+    return Call(lambda s: s.twins.GetTwinSurface, request, Surface.from_proto)
 
 
 # Rollouts

@@ -388,9 +388,13 @@ class Client:
         info = self._caller.run(session_calls.open_session(request))
         return Session(self._caller, of, request, info, vary)
 
-    def twins(self, capture: str = "", **choice: Unpack[ListArguments]) -> Iterator[Twin]:
-        """All twins, newest first, or those of a capture, with a text or a tag."""
-        return (self._twin(info) for info in self._caller.pages(calls.list_twins(capture, choice)))
+    def twins(
+        self, capture: str = "", *, level: str = "", **choice: Unpack[ListArguments]
+    ) -> Iterator[Twin]:
+        """All twins, newest first, or those of a capture, with a text or a tag, or of a level of
+        trust: good, fair, poor or unknown."""
+        pages = self._caller.pages(calls.list_twins(capture, level, choice))
+        return (self._twin(info) for info in pages)
 
     def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
         """Changes display name, note and tags of a twin; omitted ones stay."""

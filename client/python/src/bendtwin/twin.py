@@ -15,6 +15,7 @@ from bendtwin.simulation.arguments import RolloutArguments, rollout_request
 from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.simulation.registration import RegisterArguments, Registration, register_state
 from bendtwin.simulation.rollout import RolloutResult
+from bendtwin.surface import Surface
 from bendtwin.v1 import rollout_pb2
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class TwinFacts(Generic[_Caller]):
         self.info = info
         self._caller = caller
         self._geometry: Geometry | None = None
+        self._surface: Surface | None = None
 
     @property
     def name(self) -> str:
@@ -59,6 +61,13 @@ class Twin(TwinFacts[Caller]):
         if self._geometry is None:
             self._geometry = self._caller.run(calls.twin_geometry(self.name), timeout_s)
         return self._geometry
+
+    def surface(self, *, timeout_s: float | None = None) -> Surface:
+        """Triangles around the twin in its colours, or tubes along its cables, to be looked at;
+        fetched once, since twins never change."""
+        if self._surface is None:
+            self._surface = self._caller.run(calls.twin_surface(self.name), timeout_s)
+        return self._surface
 
     def rollout(
         self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]

@@ -95,7 +95,7 @@ fn rods(starts: &[u32], nodes: &[u32]) -> Result<Vec<Vec<u32>>, Error> {
 }
 
 /// The skin of a twin with `nodes` nodes, which can be placed without further checks.
-fn skin(wire: twin_geometry::Skin, nodes: usize) -> Result<Skin, Error> {
+pub(super) fn skin(wire: twin_geometry::Skin, nodes: usize) -> Result<Skin, Error> {
     let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
         Ok(tensor.unwrap_or_default().unpack::<u32>(name).map_err(Error::malformed)?.1)
     };

@@ -1,26 +1,27 @@
 import { hasEnded, type Capture } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
-import { facts } from '../../ui/form';
-import { size, time } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
-import { actionButton, deleteButton, download, faultPlace } from '../parts/actions';
+import { faultPlace } from '../parts/actions';
 import { hasPoints } from '../parts/ingest';
 import { JobView, follow } from '../parts/job';
 import { LabelEditor } from '../parts/labels';
-import { settingsView } from '../parts/settings_view';
-import { ingestAgain } from './again';
-import { CalibrationCard, inUse } from './calibration';
-import { cameraImages } from './cameras';
-import { findingsView } from './findings';
-import { camerasView, factsView } from './measured';
-import { picturesView } from './pictures';
-import { concerns, type Finding, type Report } from './report';
+import { fileActions, mainActions, type Masks } from './actions';
+import { ingestAgain } from './reading/again';
+import { CalibrationCard, inUse } from './reading/calibration';
+import { firstImages } from './report/cameras';
+import { factsCard } from './report/facts';
+import { findingsView } from './report/findings';
+import { picturesView } from './report/pictures';
+import { concerns, type Finding, type Report } from './report/report';
 import { fitsOf, twinsOf } from './results';
-import { sourcesView } from './sources';
-import { Supplements } from './supplements';
+import { sourcesView } from './report/sources';
+import { Supplements } from './reading/supplements';
+import { timelineView } from './report/timeline_view';
+import { verdictView } from './report/verdict';
+import './captures.css';
 
-/** The page of a capture. */
+/** The page of a capture: its report, what came of it, and what can be done with it. */
 export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
   const path = `/v1/captures/${id}`;
@@ -33,13 +34,17 @@ export const open: OpenPage = async (context) => {
 class CapturePage {
   readonly element: HTMLElement;
   readonly #job = new JobView('Reading of the recording');
-  readonly #images = h('div');
-  readonly #report = h('div');
-  readonly #calibration: CalibrationCard;
-  readonly #supplements: Supplements;
+  readonly #verdict = h('div');
   readonly #actions = h('div', { class: 'buttons' });
   readonly #faults = faultPlace();
-  readonly #settings = h('div');
+  readonly #images = h('div');
+  readonly #report = h('div');
+  readonly #sources = h('div');
+  readonly #calibration: CalibrationCard;
+  readonly #supplements: Supplements;
+  readonly #files = h('div', { class: 'buttons' });
+  readonly #facts = h('div');
+  #masks: Masks = null;
   /** Displayed state: what depends on it is redrawn only when it changes. */
   #state = '';
 
@@ -59,24 +64,23 @@ class CapturePage {
     this.element = h(
       'div',
       {},
+      this.#verdict,
+      this.#job.element,
       this.#actions,
       this.#faults,
       labels.element,
-      this.#job.element,
-      facts([
-        ['Uploaded', time(capture.create_time)],
-        ['Size', size(capture.size_bytes)],
-        ['BLAKE3', h('code', {}, capture.digest.slice(0, 16), '…')],
-      ]),
       this.#images,
       this.#report,
-      fitsOf(context, capture.name),
       twinsOf(context, capture.name),
-      h('h2', {}, 'More'),
+      fitsOf(context, capture.name),
+      h('h2', {}, 'Reading'),
+      this.#sources,
       this.#calibration.element,
       this.#supplements.element,
       ingestAgain(context, path, () => this.capture, started),
-      this.#settings,
+      h('h2', {}, 'Files and facts'),
+      this.#files,
+      this.#facts,
     );
     this.update(capture);
   }
@@ -99,48 +103,36 @@ class CapturePage {
     if (state === this.#state) return;
     if (this.#state !== '') this.context.announce(`Reading: ${capture.ingest.state.toLowerCase()}`);
     this.#state = state;
-    this.#actions.replaceChildren(...this.actions());
-    this.#settings.replaceChildren(settingsView('Settings of the ingest', capture.ingest.settings));
-    if (!hasEnded(capture.ingest)) return;
-    void this.showReport();
+    // The verdict says how a reading ended, unless it failed although the recording is fit for it.
+    const isTold = capture.ingest.state === 'SUCCEEDED' || (capture.ingest.state === 'FAILED' && capture.verdict === 'unusable');
+    this.#job.element.hidden = isTold;
+    this.#showActions();
+    this.#files.replaceChildren(...fileActions(this.context, capture, this.#faults));
+    this.#facts.replaceChildren(factsCard(capture, null));
+    if (hasEnded(capture.ingest)) void this.showReport();
   }
 
-  private actions(): HTMLElement[] {
-    const { context, id, path, capture } = this;
-    const faults = this.#faults;
-    const isRead = hasPoints(capture);
-    // Masks alone are there: fits need points.
-    const isMasked = capture.ingest.state === 'SUCCEEDED' && !isRead;
+  #showActions(): void {
     const cancel = async (): Promise<void> => {
-      this.update(await context.api.send<Capture>('POST', `${path}/ingest/cancel`, {}, context.signal));
+      this.update(await this.context.api.send<Capture>('POST', `${this.path}/ingest/cancel`, {}, this.context.signal));
     };
-    const question = {
-      title: 'Delete this capture?',
-      text: 'It goes to the trash, if this server has one, with its observation and its report. Twins that were fitted to it are kept.',
-    };
-    return [
-      ...(isRead ? [h('a', { class: 'button primary', href: `#/fits/new?capture=${id}` }, 'Start a fit')] : []),
-      ...(isRead ? [h('a', { class: 'button', href: `#/captures/${id}/playback` }, 'Play back')] : []),
-      ...(isMasked ? [h('a', { class: 'button primary', href: `#/captures/${id}/masks` }, 'Look at the masks, and use them')] : []),
-      ...(hasEnded(capture.ingest) ? [] : [actionButton(context, 'Stop reading', faults, cancel)]),
-      download(context, 'Download the recording', `${path}/content`, `${id}.zip`, faults),
-      ...(isRead
-        ? [download(context, 'Download the observation', `${path}/observation`, `${id}-observation.zip`, faults)]
-        : []),
-      ...(capture.masks ? [download(context, 'Download the masks', `${path}/masks`, `${id}-masks.zip`, faults)] : []),
-      deleteButton(context, path, question, '#/captures', faults),
-    ];
+    const actions = mainActions(this.context, this.capture, this.#masks, cancel, this.#faults);
+    this.#actions.replaceChildren(...actions);
+    this.#actions.hidden = actions.length === 0;
   }
 
-  private async showImages({ kind, cameras }: Report): Promise<void> {
-    if (kind !== 'recording' || cameras.length === 0) return this.#images.replaceChildren();
+  private async showImages({ kind, cameras, findings }: Report): Promise<void> {
+    let images = null;
     try {
-      const images = await cameraImages(this.context, this.id, this.capture);
-      this.#images.replaceChildren(...(images === null ? [] : [images]));
+      if (kind === 'recording' && cameras.length > 0) images = await firstImages(this.context, this.id);
     } catch {
       // The report does not need them.
-      this.#images.replaceChildren();
     }
+    this.#images.replaceChildren(...(images === null ? [] : [images.element]));
+    const lacksMasks = findings.some((finding) => concerns(finding, 'MASKS_MISSING'));
+    const hasMasks = images?.hasMasks === true || (hasPoints(this.capture) && !lacksMasks);
+    this.#masks = images?.canMark !== true ? null : hasMasks ? 'some' : 'none';
+    this.#showActions();
   }
 
   /** What can be done about a finding here. */
@@ -166,8 +158,8 @@ class CapturePage {
     this.#supplements.show(this.capture);
     if (!this.capture.verdict) {
       this.#calibration.element.hidden = true;
-      this.#images.replaceChildren();
-      return this.#report.replaceChildren();
+      for (const place of [this.#verdict, this.#images, this.#report, this.#sources]) place.replaceChildren();
+      return;
     }
     try {
       const report = await context.api.json<Report>(`${path}/report`, { signal: context.signal });
@@ -179,17 +171,17 @@ class CapturePage {
         // What could not be read may be a recording whose masks or calibration are to be replaced.
         this.#supplements.element.hidden = hasPoints(this.capture);
       }
-      this.#report.replaceChildren(
-        findingsView(report, (finding) => this.remedy(finding)),
-        factsView(report),
-        ...[sourcesView(report.sources), camerasView(report.cameras)].filter((view) => view !== null),
+      const playback = hasPoints(this.capture) ? `#/captures/${id}/playback` : null;
+      const sources = sourcesView(report.sources);
+      const views = [
+        timelineView(context, report, playback),
         picturesView(context, id),
-        h(
-          'p',
-          {},
-          download(context, 'Download the report as a page', `${path}/report.html`, `${id}-report.html`, this.#faults),
-        ),
-      );
+        findingsView(report, (finding) => this.remedy(finding), playback),
+      ];
+      this.#verdict.replaceChildren(verdictView(report));
+      this.#report.replaceChildren(...views.filter((view) => view !== null));
+      this.#sources.replaceChildren(...(sources === null ? [] : [sources]));
+      this.#facts.replaceChildren(factsCard(this.capture, report));
     } catch (error) {
       if (!context.signal.aborted) this.#report.replaceChildren(problemBox(error, () => void this.showReport()));
     }

@@ -6,11 +6,14 @@ import { h } from '../../ui/dom';
 import { millimetres, name, percent, time } from '../../ui/format';
 import { list } from '../../ui/list';
 import { refresh } from '../../ui/refresh';
+import { thumbnail } from '../../ui/thumbnail';
+import type { Errors, Quality } from '../twins/quality';
+import './named.css';
 
-/** Rows that are shown of each [rows]. */
+/** Rows of a page. */
 const MOST = 10;
 
-/** The last fits of a capture. */
+/** The fits of a capture, the best first. */
 export function fitsOf(context: PageContext, capture: string): HTMLElement {
   let isRunning = false;
   const fits = list<Fit>(context, {
@@ -26,7 +29,7 @@ export function fitsOf(context: PageContext, capture: string): HTMLElement {
       { header: 'Created', cell: ({ job }) => time(job.create_time) },
     ],
     load: async ({ page_token }) => {
-      const query = { capture, page_token, page_size: MOST };
+      const query = { capture, page_token, page_size: MOST, order_by: 'error' };
       const { fits: rows, next_page_token } = await context.api.get('/v1/fits', { query, signal: context.signal });
       isRunning = rows.some(({ job }) => !hasEnded(job));
       return { rows, next_page_token };
@@ -37,15 +40,16 @@ export function fitsOf(context: PageContext, capture: string): HTMLElement {
   return h('section', {}, h('h2', {}, 'Fits'), fits.element);
 }
 
-/** The last twins of a capture. */
+/** The twins of a capture, the best first. */
 export function twinsOf(context: PageContext, capture: string): HTMLElement {
   const id = idOf(capture);
   const twins = list<Twin>(context, {
     caption: 'Twins of this capture',
     hidesCaption: true,
     columns: [
-      { header: 'Twin', cell: (twin) => h('a', { href: `#/twins/${idOf(twin.name)}` }, name(twin.display_name)) },
+      { header: 'Twin', cell: (twin) => twinCell(context, twin) },
       { header: 'Error', isNumeric: true, cell: ({ error_m }) => millimetres(error_m) },
+      { header: 'Measured by', cell: ({ quality }) => measureOf(quality as Quality) },
       { header: 'Created', cell: ({ create_time }) => time(create_time) },
       {
         header: 'Beside the recording',
@@ -61,11 +65,28 @@ export function twinsOf(context: PageContext, capture: string): HTMLElement {
       },
     ],
     load: async ({ page_token }) => {
-      const query = { capture, page_token, page_size: MOST };
+      const query = { capture, page_token, page_size: MOST, order_by: 'error' };
       const { twins: rows, next_page_token } = await context.api.get('/v1/twins', { query, signal: context.signal });
       return { rows, next_page_token };
     },
     empty: () => h('p', { class: 'muted' }, 'None yet.'),
   });
   return h('section', {}, h('h2', {}, 'Twins'), twins.element);
+}
+
+function twinCell({ api, signal }: PageContext, twin: Twin): HTMLElement {
+  const link = h('a', { href: `#/twins/${idOf(twin.name)}` }, name(twin.display_name));
+  return h('span', { class: 'capture-name' }, thumbnail(api, `/v1/${twin.name}/thumbnail`, '', signal), link);
+}
+
+/** What errors of twins are measured by, in the order in which the server chooses. */
+const MEASURES: readonly (readonly [keyof Errors, string])[] = [
+  ['track_m', 'tracks'],
+  ['coordinate_m', 'coordinates'],
+  ['chamfer_l2_m', 'surface'],
+];
+
+function measureOf({ scores }: Quality): string {
+  const future = scores?.[0]?.future;
+  return MEASURES.find(([measure]) => typeof future?.[measure] === 'number')?.[1] ?? '–';
 }

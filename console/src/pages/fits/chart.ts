@@ -3,12 +3,11 @@ import 'uplot/dist/uPlot.min.css';
 
 import type { LossCurve } from '../../api/types';
 import { h } from '../../ui/dom';
+import { WHOLE, inks, widthOf } from '../parts/plot';
 import { chartsOf, type StageChart } from './losses';
 
 const TITLES: Record<string, string> = { search: 'Search', refine: 'Refinement' };
 const HEIGHT = 260;
-/** Steps between the marks of iterations, which are whole. */
-const WHOLE = [1, 2, 5].flatMap((step) => [0, 1, 2, 3, 4].map((power) => step * 10 ** power)).sort((a, b) => a - b);
 
 /** Losses as curves over a logarithmic axis, a chart for each stage. The charts stay while curves grow. */
 export class LossCharts {
@@ -74,20 +73,12 @@ function tellLast(plot: uPlot): void {
   if (plot.cursor.idx === null || plot.cursor.idx === undefined) plot.setLegend({ idx: plot.data[0].length - 1 }, false);
 }
 
-function widthOf(place: HTMLElement): number {
-  const { paddingLeft, paddingRight } = getComputedStyle(place);
-  return Math.max(Math.floor(place.clientWidth - parseFloat(paddingLeft) - parseFloat(paddingRight)), 200) || 200;
-}
-
 function dataOf({ iterations, lines }: StageChart): uPlot.AlignedData {
   return [iterations as number[], ...lines.map(({ values }) => values as (number | null)[])];
 }
 
 function optionsOf({ lines }: StageChart, width: number): uPlot.Options {
-  const style = getComputedStyle(document.documentElement);
-  const color = (name: string): string => style.getPropertyValue(name).trim();
-  const [text, grid] = [color('--muted'), color('--border')];
-  const colors = ['--series-1', '--series-2', '--series-3', '--series-4', '--series-5', '--series-6'].map(color);
+  const { text, grid, series: colors } = inks();
   const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 } };
   return {
     width,

@@ -4,18 +4,14 @@ import type { Capture, Fit, Worker } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
-import { moment } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { findCapture } from '../parts/capture';
-import { hasPoints } from '../parts/ingest';
 import { ANY_WORKER } from '../parts/requirements';
 import { faultsByName } from '../parts/settings';
+import { CaptureChoice } from './capture_choice';
 import { SettingsForm } from './form';
 import { formOf, settingsOf, type FitForm } from './request';
 import { WorkerForm } from './worker_form';
-
-/** Captures to choose from; older ones are reached from their own pages. */
-const CHOICES = 200;
 
 /**
  * The form that starts a fit: `?capture=` says of what, `?like=` the fit whose settings it begins with, `?from=` the
@@ -23,21 +19,20 @@ const CHOICES = 200;
  */
 export const open: OpenPage = async (context) => {
   context.setTitle('Start a fit');
-  const like = context.query.get('like');
-  const [captures, { workers }, model] = await Promise.all([
-    choices(context),
+  const [like, asked] = [context.query.get('like'), context.query.get('capture')];
+  // One that was deleted leaves the choice open.
+  const [{ workers }, model, given] = await Promise.all([
     context.api.get('/v1/workers', { signal: context.signal }),
     like === null ? null : fitOf(context, like),
+    asked === null ? null : findCapture(context, `captures/${asked}`),
   ]);
-  const asked = context.query.get('capture') ?? (model === null ? null : idOf(model.capture));
-  // One that was deleted leaves the choice open.
-  const wanted = captures.some(({ name }) => idOf(name) === asked) ? asked : null;
-  return { element: new NewFit(context, captures, workers, wanted, model).element };
+  const capture = asked === null && model !== null ? await findCapture(context, model.capture) : given;
+  return { element: new NewFit(context, workers, capture, model).element };
 };
 
 class NewFit {
   readonly element: HTMLFormElement;
-  readonly #capture: HTMLSelectElement;
+  readonly #capture: CaptureChoice;
   readonly #name = h('input', { maxlength: '200', placeholder: 'that of the capture' });
   readonly #priority = h('input', { inputmode: 'numeric', placeholder: '0' });
   readonly #settings: SettingsForm;
@@ -49,9 +44,8 @@ class NewFit {
 
   constructor(
     private readonly context: PageContext,
-    captures: readonly Capture[],
     workers: readonly Worker[],
-    wanted: string | null,
+    capture: Capture | null,
     model: Fit | null,
   ) {
     const form = formOf(model?.job.settings ?? {});
@@ -59,22 +53,12 @@ class NewFit {
     const refined: FitForm['others'] = from === null ? [] : [['start_from', `twins/${from}`]];
     this.#settings = new SettingsForm({ ...form, others: [...form.others, ...refined] });
     this.#worker = new WorkerForm(workers, model?.requirements ?? ANY_WORKER);
-    const options = captures.map((capture) => {
-      const words = [capture.display_name || 'without a name', moment(capture.create_time), capture.verdict ?? ''];
-      const text = words.filter((word) => word !== '').join(', ');
-      return h('option', { value: capture.name, selected: idOf(capture.name) === wanted }, text);
-    });
-    this.#capture = h(
-      'select',
-      { required: true },
-      ...(wanted === null ? [h('option', { value: '' }, 'Choose a capture')] : []),
-      ...options,
-    );
+    this.#capture = new CaptureChoice(context, capture, () => (this.#key = newKey()));
     const hint = '-100 to 100; higher priorities run earlier.';
     this.element = h(
       'form',
       { onsubmit: (event) => void this.submit(event) },
-      field('Capture', this.#capture),
+      this.#capture.element,
       field('Name', this.#name),
       this.#settings.element,
       this.#worker.element,
@@ -125,18 +109,6 @@ class NewFit {
     if (faults.size > 0) this.context.announce(`${faults.size} settings are not accepted`);
     return faults.size > 0;
   }
-}
-
-/** The last captures, and the one that was asked for. */
-async function choices(context: PageContext): Promise<Capture[]> {
-  const { api, query, signal } = context;
-  const { captures: all } = await api.get('/v1/captures', { query: { page_size: CHOICES }, signal });
-  const wanted = query.get('capture');
-  // One that has masks alone has nothing to fit yet.
-  const captures = all.filter((capture) => capture.ingest.state !== 'SUCCEEDED' || hasPoints(capture));
-  if (wanted === null || captures.some(({ name }) => idOf(name) === wanted)) return captures;
-  const older = await findCapture(context, `captures/${wanted}`);
-  return older === null ? captures : [older, ...captures];
 }
 
 function fitOf({ api, signal }: PageContext, id: string): Promise<Fit> {

@@ -4,35 +4,57 @@ import { badge } from '../../ui/badge';
 import { millimetres, name, percent, time } from '../../ui/format';
 import { table } from '../../ui/table';
 import type { Column } from '../../ui/table';
-import type { Fit } from '../../api/types';
+import type { Fit, Twin } from '../../api/types';
+import type { PageContext } from '../../page';
+import { thumbnail } from '../../ui/thumbnail';
+import { levelBadge } from '../twins/verdict/level';
+import type { Quality } from '../twins/quality';
+import { errorText } from '../twins/verdict/reasons';
 import type { Numbers } from './numbers';
 
 /** The newest captures, fits and twins. Lists without rows are left out. */
-export function newest(numbers: Numbers): HTMLElement {
+export function newest(context: PageContext, numbers: Numbers): HTMLElement {
   return h(
     'div',
     {},
-    section('Newest twins', numbers.newestTwins, [
-      named((twin) => twin),
-      { header: 'Error', cell: (twin) => millimetres(twin.error_m), isNumeric: true },
-      { header: 'Nodes', cell: (twin) => twin.node_count, isNumeric: true },
-      made((twin) => twin.create_time),
-      {
-        header: 'Actions',
-        cell: (twin) => h('a', { class: 'button small', href: `#/${twin.name}/play`, 'aria-label': playLabel(twin) }, 'Play'),
-      },
-    ]),
-    section('Newest fits', numbers.newestFits, [
-      named((fit) => fit),
-      { header: 'State', cell: stateOf },
-      { header: 'Error', cell: (fit) => millimetres(fit.error_m), isNumeric: true },
-      made((fit) => fit.job.create_time),
-    ]),
-    section('Newest captures', numbers.newestCaptures, [
-      named((capture) => capture),
-      { header: 'State', cell: ({ verdict, ingest }) => badge(verdict ?? ingest.state) },
-      made((capture) => capture.create_time),
-    ]),
+    twinCards(context, numbers.newestTwins),
+    h(
+      'div',
+      { class: 'home-lists' },
+      section('Newest fits', numbers.newestFits, [
+        named((fit) => fit),
+        { header: 'State', cell: stateOf },
+        { header: 'Error', cell: (fit) => millimetres(fit.error_m), isNumeric: true },
+        made((fit) => fit.job.create_time),
+      ]),
+      section('Newest captures', numbers.newestCaptures, [
+        named((capture) => capture),
+        { header: 'State', cell: ({ verdict, ingest }) => badge(verdict ?? ingest.state) },
+        made((capture) => capture.create_time),
+      ]),
+    ),
+  );
+}
+
+/** The newest twins as cards: picture, name, verdict, error. */
+function twinCards({ api, signal }: PageContext, twins: readonly Twin[]): Child {
+  if (twins.length === 0) return null;
+  const card = (twin: Twin): HTMLElement => {
+    const quality = twin.quality as Quality;
+    return h(
+      'li',
+      { class: 'card twin-card' },
+      thumbnail(api, `/v1/${twin.name}/thumbnail?width=480`, '', signal),
+      h('a', { class: 'twin-card-name', href: `#/${twin.name}` }, name(twin.display_name)),
+      h('p', { class: 'row' }, levelBadge(quality.assessment?.level), h('span', {}, errorText(quality))),
+      h('p', { class: 'row muted' }, time(twin.create_time), h('a', { class: 'button small', href: `#/${twin.name}/play`, 'aria-label': playLabel(twin) }, 'Play')),
+    );
+  };
+  return h(
+    'section',
+    { 'aria-label': 'Newest twins' },
+    h('div', { class: 'home-title' }, h('h2', {}, 'Newest twins'), h('a', { href: '#/twins' }, 'All twins')),
+    h('ul', { class: 'cards twin-cards' }, ...twins.map(card)),
   );
 }
 

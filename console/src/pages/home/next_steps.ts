@@ -9,7 +9,7 @@ import type { Numbers } from './numbers';
 export function nextSteps(numbers: Numbers): HTMLElement {
   const steps = [...stepsOf(numbers)];
   if (steps.length === 0) return h('div');
-  return h('section', { class: 'card' }, h('h2', { class: 'first' }, 'What to do next'), ...steps);
+  return h('section', { class: 'card next-steps' }, h('h2', { class: 'first' }, 'What to do next'), ...steps);
 }
 
 function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
@@ -23,7 +23,7 @@ function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
     yield h('p', {}, 'Or make one of a simulated rope, to try everything out:');
     yield command('bendtwin capture make rope rope.zip --tiny');
     yield command(cli('bendtwin capture push rope.zip'));
-  } else if (numbers.fits === 0) {
+  } else if (numbers.fits === 0 || isUnfitted(numbers)) {
     yield* fitStep(numbers.newestCaptures[0]);
   }
   const [twin] = numbers.newestTwins;
@@ -31,6 +31,11 @@ function* stepsOf(numbers: Numbers): Generator<HTMLElement> {
     yield h('p', {}, 'Your first twin is ready: drag its hands, grasp it anywhere, change the world around it.');
     yield h('p', {}, h('a', { class: 'button primary', href: `#/twins/${idOf(twin.name)}/play` }, 'Play with it'));
   }
+}
+
+/** True if the newest capture is newer than all fits, so that none is of it. */
+function isUnfitted({ newestCaptures: [capture], newestFits: [fit] }: Numbers): boolean {
+  return capture !== undefined && fit !== undefined && capture.create_time > fit.job.create_time;
 }
 
 /** The way from the newest capture to a twin. */

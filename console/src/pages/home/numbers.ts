@@ -1,8 +1,9 @@
 import { jobs, parseMetrics, total } from '../../api/metrics';
 import type { Capture, Fit, OwnerUsage, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
+import { totalOf } from '../../ui/list';
 
-/** Most twins that are counted: there is no other way than to list them. */
+/** Most twins that are counted where the server does not say how many there are. */
 const COUNTED = 50;
 /** Rows of each list. */
 const SHOWN = 5;
@@ -52,8 +53,8 @@ export async function ask({ api, signal }: PageContext): Promise<Numbers> {
     fitsRunning: fitJobs('running'),
     fitsQueued: fitJobs('queued'),
     fitsFailed: fitJobs('failed'),
-    twins: twins.twins.length,
-    hasMoreTwins: twins.next_page_token !== '',
+    twins: totalOf(twins) ?? twins.twins.length,
+    hasMoreTwins: totalOf(twins) === undefined && twins.next_page_token !== '',
     workers: workers.workers.map((worker) => worker.backend),
     diskFreeBytes: metrics.get('bendtwin_disk_bytes{state="free"}') ?? 0,
     usage,

@@ -8,6 +8,7 @@ import type { Numbers } from './numbers';
 import { newest } from './newest';
 import { nextSteps } from './next_steps';
 import { tiles } from './tiles';
+import './home.css';
 
 const EVERY_MS = 4000;
 
@@ -21,7 +22,7 @@ export const open: OpenPage = async (context) => {
     const text = JSON.stringify(numbers);
     if (text === shown) return;
     shown = text;
-    const parts = [tiles(numbers), ownUsage(numbers.usage), nextSteps(numbers), newest(numbers)];
+    const parts = [nextSteps(numbers), tiles(numbers), newest(context, numbers), ownUsage(numbers.usage)];
     keepingFocus(element, () => element.replaceChildren(...parts));
   };
   await refresh(context, EVERY_MS, async () => draw(await ask(context)));

@@ -19,28 +19,34 @@ export function actionButton(
 ): HTMLButtonElement {
   const run = async (): Promise<void> => {
     button.disabled = true;
+    button.setAttribute('aria-busy', 'true');
     faults.replaceChildren();
     try {
       await act();
     } catch (error) {
       if (!context.signal.aborted) faults.replaceChildren(problemBox(error));
     }
+    button.removeAttribute('aria-busy');
     button.disabled = false;
   };
   const button = h('button', { type: 'button', class: className, onclick: () => void run() }, text);
   return button;
 }
 
-/** A button that moves a resource to the trash after a question, and then goes to `next`. */
+/** Words of a question before something is deleted. */
+type Words = Pick<Question, 'title' | 'text'>;
+
+/** A button that moves a resource to the trash after a question, which may have to be asked for, and then goes to `next`. */
 export function deleteButton(
   context: PageContext,
   path: string,
-  question: Pick<Question, 'title' | 'text'>,
+  question: Words | (() => Promise<Words>),
   next: string,
   faults: HTMLElement,
 ): HTMLElement {
   const remove = async (): Promise<void> => {
-    if (!(await confirm({ ...question, action: 'Delete', isDangerous: true }))) return;
+    const words = typeof question === 'function' ? await question() : question;
+    if (!(await confirm({ ...words, action: 'Delete', isDangerous: true }))) return;
     await context.api.fetch(path, { method: 'DELETE', signal: context.signal });
     context.announce('Moved to the trash');
     context.navigate(next);

@@ -4,7 +4,7 @@ import { flat } from './settings';
 import { settingWord } from './settings_view';
 
 /** Most resources beside each other. */
-const MOST = 6;
+export const MOST = 6;
 
 /** Rows of a list that were chosen to be compared. They stay chosen on other pages of the list. */
 export class Selection {
@@ -49,13 +49,30 @@ export interface Line {
   readonly cells: readonly Child[];
 }
 
+/** A line of numbers, of which some may be missing; the least is marked if they differ and `marksLeast`. */
+export function numberLine(
+  text: string,
+  values: readonly (number | null | undefined)[],
+  word: (value: number) => string,
+  marksLeast: boolean,
+): Line {
+  const known = values.filter((value): value is number => typeof value === 'number');
+  const least = marksLeast && new Set(known).size > 1 ? Math.min(...known) : null;
+  const cell = (value: number | null | undefined): Child => {
+    if (typeof value !== 'number') return '–';
+    if (value !== least) return word(value);
+    return h('strong', { class: 'best' }, word(value), h('span', { class: 'visually-hidden' }, ' (best)'));
+  };
+  return { text, cells: values.map(cell) };
+}
+
 /** Resources side by side: a column for each, with its name as the header, and a row for each line. */
 export function compareTable(caption: string, names: readonly string[], lines: readonly Line[]): HTMLElement {
   return table<Line>({
     caption,
     rows: lines,
     columns: [
-      { header: '', cell: ({ text }) => text },
+      { header: 'Property', cell: ({ text }) => text },
       ...names.map((header, index) => ({ header, cell: ({ cells }: Line) => cells[index] ?? '' })),
     ],
   });

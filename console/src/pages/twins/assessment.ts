@@ -1,7 +1,6 @@
-import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { count, millimetres, percent } from '../../ui/format';
+import { capitalised, count, millimetres } from '../../ui/format';
 import { table } from '../../ui/table';
 import { prose } from '../parts/text';
 import {
@@ -13,37 +12,32 @@ import {
   type Errors,
   type Likeness,
   type Quality,
-  type Recording,
   type RenderedRow,
   type Row,
 } from './quality';
+import { verdictLine, warningList } from './verdict/level';
+import { recordingsView } from './recordings';
 
-const TONES: Record<string, Parameters<typeof badge>[1]> = {
-  good: 'good',
-  fair: 'warn',
-  poor: 'bad',
-  unknown: 'neutral',
-};
+/** The two spans of frames, with their words: those that matter first. */
+const SPANS = [
+  ['future', 'Later frames'],
+  ['train', 'Fitted frames'],
+] as const;
 
-/** The tone of a level of trust. */
-export function assessmentTone(level: string): Parameters<typeof badge>[1] {
-  return TONES[level] ?? 'neutral';
-}
-
-/** Assessment of a twin: its level, the reasons, and what to do next. */
-export function assessmentView({ assessment, warnings = [] }: Quality): HTMLElement | null {
+/** Assessment of a twin: its verdict, what to do next, and warnings. */
+export function assessmentView(quality: Quality): HTMLElement | null {
+  const { assessment, warnings = [] } = quality;
   if (assessment === undefined && warnings.length === 0) return null;
   return h(
     'section',
     { class: 'card assessment', 'aria-label': 'Assessment' },
-    assessment !== undefined &&
-      h('p', {}, badge(assessment.level, assessmentTone(assessment.level)), ' ', prose(assessment.why)),
-    assessment !== undefined && h('p', {}, h('strong', {}, prose(assessment.next))),
-    warnings.length > 0 && h('ul', {}, ...warnings.map((warning) => h('li', {}, prose(warning)))),
+    verdictLine(quality),
+    assessment !== undefined && h('p', {}, prose(assessment.next)),
+    warningList(warnings),
   );
 }
 
-/** The quality table: errors over the frames of the fit and over those after, beside the baselines. */
+/** The quality table: errors over later frames and over those of the fit, beside the baselines. */
 export function qualityView(quality: Quality): HTMLElement {
   const rows = rowsOf(quality);
   const choice = choiceText(quality);
@@ -53,17 +47,8 @@ export function qualityView(quality: Quality): HTMLElement {
     {},
     h('h2', {}, 'Errors'),
     rows.length === 0
-      ? h(
-          'p',
-          { class: 'muted' },
-          'This twin has no measured errors. Evaluate it on a capture to measure them.',
-        )
-      : errorTable(
-          'Mean errors over the frames of the fit (training) and over later frames (future)',
-          'Prediction',
-          rows,
-          ({ text }) => text,
-        ),
+      ? h('p', { class: 'muted' }, 'This twin has no measured errors. Evaluate it on a capture to measure them.')
+      : errorTable('Mean errors of predictions over frames that were not fitted (later) and that were', 'Prediction', rows),
     choice !== null && h('p', { class: 'muted' }, choice),
     spread !== null && h('p', { class: 'muted' }, spread),
     recordingsView(quality.recordings ?? []),
@@ -72,41 +57,17 @@ export function qualityView(quality: Quality): HTMLElement {
   );
 }
 
-/** Columns of training and future errors by the measures that there are. */
-function errorTable<R extends { train: Errors; future: Errors }>(
-  caption: string,
-  header: string,
-  rows: readonly R[],
-  text: (row: R) => string,
-): HTMLElement {
-  const measures = measuresOf(rows.map((row): Row => ({ ...row, text: text(row) })));
-  const columns = (['train', 'future'] as const).flatMap((part) =>
-    measures.map(([measure, word]) => ({
-      header: `${part === 'train' ? 'Training' : 'Future'}: ${word}`,
+/** Errors of rows by the measures that there are, in each span of frames. */
+function errorTable(caption: string, header: string, rows: readonly Row[]): HTMLElement {
+  const columns = SPANS.flatMap(([part, group]) =>
+    measuresOf(rows).map(([measure, word]) => ({
+      header: capitalised(word),
+      group,
       isNumeric: true,
-      cell: (row: R) => millimetres(row[part][measure]),
+      cell: (row: Row) => millimetres((row[part] as Errors)[measure]),
     })),
   );
-  return table<R>({ caption, rows, columns: [{ header, cell: (row) => h('bdi', {}, text(row)) }, ...columns] });
-}
-
-function recordingsView(recordings: readonly Recording[]): HTMLElement | null {
-  if (recordings.length === 0) return null;
-  const registered = recordings.flatMap(({ name, registered: own }) =>
-    own === undefined
-      ? []
-      : [
-          `${name}: the first frame lies ${own.median_mm.toFixed(1)} mm from the twin (median), ` +
-            `${percent(own.explained)} of it explained.`,
-        ],
-  );
-  return h(
-    'div',
-    {},
-    h('h3', {}, 'By recording'),
-    errorTable('Errors in each recording', 'Recording', recordings, ({ name }) => name),
-    registered.length > 0 && h('ul', { class: 'muted' }, ...registered.map((text) => h('li', {}, h('bdi', {}, text)))),
-  );
+  return table<Row>({ caption, rows, columns: [{ header, cell: ({ text }) => h('bdi', {}, text) }, ...columns] });
 }
 
 /** Likenesses, their decimals and how they are read from a row. */
@@ -121,14 +82,13 @@ const LIKENESSES: readonly (readonly [string, number, (likeness: Likeness) => nu
 function renderedView(quality: Quality): HTMLElement | null {
   const rows = renderedRowsOf(quality);
   if (rows.length === 0) return null;
-  const columns = (['train', 'future'] as const).flatMap((part) =>
-    LIKENESSES.filter(([, , of]) => rows.some((row) => typeof of(row[part]) === 'number')).map(
-      ([word, decimals, of]) => ({
-        header: `${part === 'train' ? 'Training' : 'Future'}: ${word}`,
-        isNumeric: true,
-        cell: (row: RenderedRow) => of(row[part])?.toFixed(decimals) ?? '–',
-      }),
-    ),
+  const columns = SPANS.flatMap(([part, group]) =>
+    LIKENESSES.filter(([, , of]) => rows.some((row) => typeof of(row[part]) === 'number')).map(([header, decimals, of]) => ({
+      header,
+      group,
+      isNumeric: true,
+      cell: (row: RenderedRow) => of(row[part])?.toFixed(decimals) ?? '–',
+    })),
   );
   return h(
     'div',

@@ -1,16 +1,16 @@
 import { idOf } from '../../api/routes';
 import type { Twin } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
-import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { empty } from '../../ui/empty';
 import { count, millimetres, time } from '../../ui/format';
 import { captureLink } from '../parts/capture';
-import { comparedIds, compareTable, differingSettings, distinctNames, type Line } from '../parts/compare';
+import { comparedIds, compareTable, differingSettings, distinctNames, numberLine, type Line } from '../parts/compare';
 import { isolated } from '../parts/text';
-import { assessmentTone } from './assessment';
+import { thumbnail } from '../../ui/thumbnail';
+import { levelBadge } from './verdict/level';
 import { readTwinFile } from './file';
-import { comparedText, errorOf, measuresOf, rowsOf, type Errors, type Quality } from './quality';
+import { bestText, comparedText, headlineOf, measuresOf, rowsOf, type Errors, type Quality } from './quality';
 
 /** Twins beside each other: errors, sizes, settings that differ, and the differences in words. */
 export const open: OpenPage = async (context) => {
@@ -22,51 +22,48 @@ export const open: OpenPage = async (context) => {
   const settings = await Promise.all(ids.map((id) => settingsOf(context, id)));
   const names = distinctNames(twins.map(({ display_name }) => display_name));
   const differing = differingSettings(settings);
+  // Errors on different recordings say nothing about each other.
+  const isFair = twins.every(({ capture }) => capture && capture === twins[0]?.capture);
   const element = h(
     'div',
     {},
-    ...sentences(twins, names.map(isolated)).map((text) => h('p', {}, h('bdi', {}, text))),
-    compareTable('Twins side by side', names, [...factLines(context, twins), ...errorLines(twins)]),
+    h('p', {}, h('bdi', {}, sentence(twins, names.map(isolated), isFair))),
+    compareTable('Twins side by side', names, [...factLines(context, twins), ...errorLines(twins, isFair), ...sizeLines(twins)]),
     h('h2', {}, 'Settings that differ'),
     differing.length > 0 ? compareTable('Settings that differ', names, differing) : h('p', { class: 'muted' }, 'None.'),
   );
   return { element };
 };
 
-/** The first twin beside each other one, in words. */
-function sentences(twins: readonly Twin[], names: readonly string[]): string[] {
-  const [first, ...others] = twins;
-  if (first === undefined) return [];
-  return others.flatMap((other, index) => {
-    const [a, b] = [names[0] ?? '', names[index + 1] ?? ''];
-    if (!first.capture || first.capture !== other.capture) {
-      return [
-        `${a} and ${b} were measured on different captures: their errors are not comparable. Evaluate both on one capture.`,
-      ];
-    }
-    const error = comparedText(a, b, errorOf(first.quality as Quality), errorOf(other.quality as Quality));
-    const nodes =
-      first.node_count === other.node_count
-        ? 'They have equally many nodes.'
-        : `${a} has ${count(first.node_count)} nodes, ${b} ${count(other.node_count)}.`;
-    return error === null ? [nodes] : [`${error} ${nodes}`];
-  });
+/** What the comparison comes to, in words. */
+function sentence(twins: readonly Twin[], names: readonly string[], isFair: boolean): string {
+  if (!isFair) {
+    return 'They were measured on different captures: their errors are not comparable. Evaluate all of them on one capture.';
+  }
+  const errors = twins.map(({ quality }) => headlineOf(quality as Quality)?.error_m ?? null);
+  const [first = '', second = ''] = names;
+  const text = names.length === 2 ? comparedText(first, second, errors[0] ?? null, errors[1] ?? null) : bestText(names, errors);
+  return text ?? 'Not all of them have errors on frames that were not fitted.';
 }
 
 function factLines(context: PageContext, twins: readonly Twin[]): Line[] {
   const line = (text: string, cell: (twin: Twin) => Line['cells'][number]): Line => ({ text, cells: twins.map(cell) });
   return [
+    line('Picture', ({ name }) => thumbnail(context.api, `/v1/${name}/thumbnail`, '', context.signal)),
     line('Twin', ({ name }) => [
-      h('a', { href: `#/twins/${idOf(name)}` }, 'Open'),
+      h('a', { class: 'button small', href: `#/twins/${idOf(name)}` }, 'Open'),
       ' ',
-      h('a', { href: `#/twins/${idOf(name)}/play` }, 'Play'),
+      h('a', { class: 'button small', href: `#/twins/${idOf(name)}/play` }, 'Play'),
     ]),
     line('Capture', ({ capture }) => (capture ? captureLink(context, capture) : 'imported')),
-    line('Trust', ({ quality }) => {
-      const level = (quality as Quality).assessment?.level;
-      return level === undefined ? '–' : badge(level, assessmentTone(level));
-    }),
+    line('Verdict', ({ quality }) => levelBadge((quality as Quality).assessment?.level)),
     line('Created', ({ create_time }) => time(create_time)),
+  ];
+}
+
+function sizeLines(twins: readonly Twin[]): Line[] {
+  const line = (text: string, cell: (twin: Twin) => string): Line => ({ text, cells: twins.map(cell) });
+  return [
     line('Nodes', ({ node_count }) => count(node_count)),
     line('Springs', ({ spring_count }) => count(spring_count)),
     line('Bending triplets', ({ triplet_count }) => count(triplet_count)),
@@ -74,15 +71,19 @@ function factLines(context: PageContext, twins: readonly Twin[]): Line[] {
   ];
 }
 
-/** Errors of the twins themselves, by measure, of training and future frames. */
-function errorLines(twins: readonly Twin[]): Line[] {
+/** Errors of the twins themselves, by measure, on later and fitted frames; the best is marked if that is fair. */
+function errorLines(twins: readonly Twin[], isFair: boolean): Line[] {
   const own = twins.map(({ quality }) => rowsOf(quality as Quality)[0]);
   const measures = measuresOf(own.filter((row) => row !== undefined));
   return (['future', 'train'] as const).flatMap((part) =>
-    measures.map(([measure, words]) => ({
-      text: `${part === 'train' ? 'Training' : 'Future'} error, ${words}`,
-      cells: own.map((row) => millimetres((row?.[part] as Errors | undefined)?.[measure])),
-    })),
+    measures.map(([measure, words]) =>
+      numberLine(
+        `Error on ${part === 'train' ? 'fitted' : 'later'} frames, ${words}`,
+        own.map((row) => (row?.[part] as Errors | undefined)?.[measure]),
+        millimetres,
+        isFair,
+      ),
+    ),
   );
 }
 

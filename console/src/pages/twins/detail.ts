@@ -1,83 +1,179 @@
 import { idOf } from '../../api/routes';
 import type { Capture, Twin } from '../../api/types';
 import type { OpenPage, PageContext } from '../../page';
+import type { TwinShape } from '../../view3d/shape';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
 import { count, size, time } from '../../ui/format';
-import { deleteButton, download, faultPlace } from '../parts/actions';
+import { menu } from '../../ui/menu';
+import { thumbnail } from '../../ui/thumbnail';
+import { LossView } from '../fits/curves';
+import { deleteButton, faultPlace } from '../parts/actions';
 import { captureText, findCapture } from '../parts/capture';
 import { LabelEditor } from '../parts/labels';
-import { LossView } from '../fits/curves';
-import { assessmentView, qualityView } from './assessment';
+import { qualityView } from './assessment';
 import { evaluationView } from './evaluate';
+import { exportMenu } from './exports';
 import { identifiabilityView } from './identifiability';
+import { verdictLine } from './verdict/level';
 import { parametersView } from './parameters';
+import { pythonButton } from './python';
 import type { Quality } from './quality';
+import { sequencesView } from './recordings';
+import { scaleOf, type Scale } from './verdict/scale';
+import type { Turning } from './turning';
+import { whyView } from './verdict/why';
+import './detail.css';
 
-/** The page of a twin: what it is worth, what it is made of, and what can be done with it. */
+/** The page of a twin: what it looks like, what it is worth and why, and what can be done with it. */
 export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
-  const path = `/v1/twins/${encodeURIComponent(id)}`;
   const twin = await context.api.get('/v1/twins/{id}', { id, signal: context.signal });
   const capture = twin.capture ? await findCapture(context, twin.capture) : null;
-  const setTitle = ({ display_name }: Twin): void => context.setTitle(display_name || 'Twin without a name');
-  setTitle(twin);
-  const faults = faultPlace();
-  const quality = twin.quality as Quality;
-  const losses = twin.fit ? new LossView(context, idOf(twin.fit)) : null;
-  void losses?.update(true);
-  const element = h(
-    'div',
-    {},
-    h('div', { class: 'buttons' }, ...actions(context, capture, id, path, faults)),
-    faults,
-    new LabelEditor<Twin>(context, 'twins', path, twin, setTitle).element,
-    ...[assessmentView(quality)].filter((view) => view !== null),
-    twinFacts(twin, capture),
-    qualityView(quality),
-    ...[identifiabilityView(quality, `#/twins/${id}/view?colour=uncertainty&layers=skin,shadow`)].filter((view) => view !== null),
-    evaluationView(context, twin),
-    parametersView(context, id, () => settingsAsked(context, twin.fit ?? null)),
-    losses?.element ?? '',
-  );
-  return { element, dispose: () => losses?.dispose() };
+  const page = new TwinPage(context, id, twin, capture);
+  void page.showObject();
+  return page;
 };
 
-function actions(
-  context: PageContext,
-  capture: Capture | null,
-  id: string,
-  path: string,
-  faults: HTMLElement,
-): HTMLElement[] {
-  const own = capture === null ? {} : { capture: idOf(capture.name) };
-  const question = { title: 'Delete this twin?', text: 'It goes to the trash, if this server has one. Its capture and its fit are kept.' };
-  return [
-    h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play'),
-    h('a', { class: 'button', href: `#/twins/${id}/view` }, 'View in 3D'),
-    ...(capture === null
-      ? []
-      : [h('a', { class: 'button', href: `#/captures/${own.capture}/playback?twin=${id}` }, 'Beside its recording')]),
-    h('a', { class: 'button', href: `#/fits/new?${new URLSearchParams({ from: id, ...own })}` }, 'Refine'),
-    download(context, 'Download the file', `${path}/content`, `${id}.safetensors`, faults),
-    deleteButton(context, path, question, '#/twins', faults),
-  ];
-}
+class TwinPage {
+  readonly element: HTMLElement;
+  readonly #path: string;
+  readonly #quality: Quality;
+  readonly #picture: HTMLElement;
+  readonly #why = h('div');
+  readonly #faults = faultPlace();
+  readonly #losses: LossView | null;
+  #turning: Turning | null = null;
+  /** Lengths of the object, once its shape is there. */
+  #scale: Scale | null = null;
 
-function twinFacts(twin: Twin, capture: Capture | null): HTMLElement {
-  return facts([
-    ['Capture', twin.capture ? captureText(capture) : 'imported'],
-    ...(twin.fit ? ([['Fit', h('a', { href: `#/fits/${idOf(twin.fit)}` }, 'Open')]] as const) : []),
-    ['Created', time(twin.create_time)],
-    ['Nodes', count(twin.node_count)],
-    ['Springs', count(twin.spring_count)],
-    ['Bending triplets', count(twin.triplet_count)],
-    ['Control points', count(twin.control_count)],
-    ['Frames per second', twin.fps],
-    ['Substeps per frame', twin.substeps],
-    ['Mass', twin.mass_kg === undefined ? 'unknown' : `${twin.mass_kg} kg`],
-    ['File', size(twin.size_bytes)],
-  ]);
+  constructor(
+    private readonly context: PageContext,
+    private readonly id: string,
+    private readonly twin: Twin,
+    private readonly capture: Capture | null,
+  ) {
+    this.#path = `/v1/twins/${encodeURIComponent(id)}`;
+    this.#quality = twin.quality as Quality;
+    this.#picture = h('div', { class: 'twin-picture' }, this.poster());
+    this.#losses = twin.fit ? new LossView(context, idOf(twin.fit)) : null;
+    void this.#losses?.update(true);
+    this.showTitle(twin);
+    this.showWhy();
+    const view = `#/twins/${id}/view?colour=uncertainty&layers=skin,shadow`;
+    this.element = h(
+      'div',
+      {},
+      h('div', { class: 'twin-head' }, this.#picture, this.summary()),
+      this.#why,
+      qualityView(this.#quality),
+      capture === null ? null : sequencesView(context, idOf(capture.name), id),
+      identifiabilityView(this.#quality, view),
+      evaluationView(context, twin, () => this.#scale),
+      parametersView(context, id, () => settingsAsked(context, twin.fit ?? null)),
+      this.#losses?.element,
+      this.facts(),
+    );
+  }
+
+  dispose(): void {
+    this.#losses?.dispose();
+    this.#turning?.dispose();
+  }
+
+  /** Loads the shape; the object takes the place of its picture, and its size joins the reasons. */
+  async showObject(): Promise<void> {
+    const { api, signal } = this.context;
+    try {
+      // The three-dimensional view is large: the page does not wait for it.
+      const [{ loadShape }, { Turning }] = await Promise.all([import('../../view3d/shape'), import('./turning')]);
+      const shape: TwinShape = await loadShape(api, this.id, signal);
+      if (signal.aborted) return;
+      this.#scale = scaleOf(shape.rest, shape.rods);
+      this.showWhy();
+      this.#turning = new Turning(this.twin.display_name, shape, this.context);
+      this.#picture.replaceChildren(this.#turning.element);
+    } catch {
+      // Without WebGL the picture stays; the playground says what is missing.
+    }
+  }
+
+  private showTitle({ display_name }: Twin): void {
+    this.context.setTitle(display_name || 'Twin without a name');
+  }
+
+  private showWhy(): void {
+    const view = whyView(this.#quality, this.#scale);
+    this.#why.replaceChildren(...(view === null ? [] : [view]));
+  }
+
+  private poster(): HTMLElement {
+    const { api, signal } = this.context;
+    return thumbnail(api, `${this.#path}/thumbnail?width=640`, `The twin ${this.twin.display_name}`, signal);
+  }
+
+  private summary(): HTMLElement {
+    const { context, twin, id } = this;
+    const labels = new LabelEditor<Twin>(context, 'twins', this.#path, twin, (changed) => this.showTitle(changed));
+    return h(
+      'div',
+      { class: 'twin-summary' },
+      verdictLine(this.#quality),
+      h(
+        'div',
+        { class: 'buttons' },
+        h('a', { class: 'button primary', href: `#/twins/${id}/play` }, 'Play'),
+        exportMenu(context, this.#path, twin.display_name, this.#faults),
+        pythonButton(twin),
+      ),
+      h('div', { class: 'buttons' }, ...this.otherActions()),
+      this.#faults,
+      facts([
+        ['Capture', twin.capture ? captureText(this.capture) : 'imported'],
+        ['Fit', twin.fit ? h('a', { href: `#/fits/${idOf(twin.fit)}` }, 'Open') : '–'],
+        ['Created', time(twin.create_time)],
+        ['Nodes', count(twin.node_count)],
+      ]),
+      labels.element,
+    );
+  }
+
+  private otherActions(): HTMLElement[] {
+    const { context, capture, id } = this;
+    const own = capture === null ? {} : { capture: idOf(capture.name) };
+    const question = { title: 'Delete this twin?', text: 'It goes to the trash, if this server has one. Its capture and its fit are kept.' };
+    const link = (text: string, href: string): HTMLElement => h('a', { class: 'button quiet', href }, text);
+    return [
+      ...(capture === null ? [] : [link('Beside its recording', `#/captures/${own.capture}/playback?twin=${id}`)]),
+      link('Refine', `#/fits/new?${new URLSearchParams({ from: id, ...own })}`),
+      menu('More', [
+        h('a', { class: 'button', href: `#/twins/${id}/view` }, 'Nodes and springs in 3D'),
+        deleteButton(context, this.#path, question, '#/twins', this.#faults),
+      ], { class: 'quiet' }),
+    ];
+  }
+
+  /** What few ask for: sizes and hashes. */
+  private facts(): HTMLElement {
+    const { twin } = this;
+    return h(
+      'details',
+      { class: 'card' },
+      h('summary', {}, 'Facts and hashes'),
+      facts([
+        ['Nodes', count(twin.node_count)],
+        ['Springs', count(twin.spring_count)],
+        ['Bending triplets', count(twin.triplet_count)],
+        ['Control points', count(twin.control_count)],
+        ['Frames per second', twin.fps],
+        ['Substeps per frame', twin.substeps],
+        ['Mass', twin.mass_kg === undefined ? 'unknown' : `${twin.mass_kg} kg`],
+        ['File', size(twin.size_bytes)],
+        ['Name in the API', h('code', {}, twin.name)],
+        ['BLAKE3 of the file', h('code', {}, twin.digest)],
+      ]),
+    );
+  }
 }
 
 /** The settings that its fit was asked for; null if it is not there any more. */

@@ -7,12 +7,15 @@ import { moment } from '../../ui/format';
 import { problemBox } from '../../ui/problem';
 import { assessmentView, qualityView } from './assessment';
 import type { Quality } from './quality';
+import type { Scale } from './verdict/scale';
+import { reasonsOf } from './verdict/reasons';
+import { reasonTable } from './verdict/why';
 
 /** Captures to choose from. */
 const CHOICES = 200;
 
-/** A form that measures a twin on another capture of its object. */
-export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
+/** A form that measures a twin on another capture of its object; `scale` has lengths of it, if they are known. */
+export function evaluationView(context: PageContext, twin: Twin, scale: () => Scale | null): HTMLElement {
   const { api, signal } = context;
   const select = h('select', { required: true });
   const result = h('div', { 'aria-live': 'polite' });
@@ -25,7 +28,8 @@ export function evaluationView(context: PageContext, twin: Twin): HTMLElement {
       const path = `/v1/${twin.name}/evaluations`;
       const evaluation = await api.send<Evaluation>('POST', path, { capture: select.value }, signal);
       const quality = evaluation.quality as Quality;
-      result.replaceChildren(...[assessmentView(quality), qualityView(quality)].filter((view) => view !== null));
+      const parts = [assessmentView(quality), reasonTable(reasonsOf(quality, scale())), qualityView(quality)];
+      result.replaceChildren(...parts.filter((view) => view !== null));
     } catch (error) {
       if (!signal.aborted) result.replaceChildren(problemBox(error));
     }

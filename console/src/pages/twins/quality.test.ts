@@ -1,9 +1,10 @@
 import { expect, test } from 'vitest';
 
 import {
+  bestText,
   choiceText,
   comparedText,
-  errorOf,
+  headlineOf,
   measuresOf,
   renderedRowsOf,
   rowsOf,
@@ -69,11 +70,14 @@ test('renderings have a row for each prediction and for each camera of the first
 });
 
 test('the error of a twin is of tracks, else of coordinates, else of surfaces', () => {
-  const score = (future: Errors) => ({ scores: [{ predictor: 'bending', train: NONE, future }] });
-  expect(errorOf(score({ ...NONE, track_m: 1, coordinate_m: 2, chamfer_l2_m: 3 }))).toBe(1);
-  expect(errorOf(score({ ...NONE, coordinate_m: 2, chamfer_l2_m: 3 }))).toBe(2);
-  expect(errorOf(score({ ...NONE, chamfer_l2_m: 0 }))).toBe(0);
-  expect([errorOf(score(NONE)), errorOf({})]).toEqual([null, null]);
+  const headline = (future: Errors) => {
+    const found = headlineOf({ scores: [{ predictor: 'bending', train: NONE, future }] });
+    return found === null ? null : [found.error_m, found.word];
+  };
+  expect(headline({ ...NONE, track_m: 1, coordinate_m: 2, chamfer_l2_m: 3 })).toEqual([1, 'tracks']);
+  expect(headline({ ...NONE, coordinate_m: 2, chamfer_l2_m: 3 })).toEqual([2, 'coordinates']);
+  expect(headline({ ...NONE, chamfer_l2_m: 0 })).toEqual([0, 'Chamfer']);
+  expect([headline({ ...NONE, chamfer_l1_m: 1 }), headlineOf({})]).toEqual([null, null]);
 });
 
 test('the spread of several fits is put into words', () => {
@@ -105,4 +109,12 @@ test('differences are put into words', () => {
   );
   expect(choiceText({ choice: { ...choice, held_back_frames: 6 } })).toContain('6 held-back frames');
   expect(choiceText({})).toBeNull();
+});
+
+test('the best of several errors is named, with those that are not worse than by chance', () => {
+  expect(bestText(['a', 'b', 'c'], [0.002, 0.001, 0.0011])).toBe(
+    'b has the lowest error on frames that were not fitted, 1 mm; that of c is no different beyond seeds.',
+  );
+  expect(bestText(['a', 'b', 'c'], [0.002, 0.001, 0.003])).toMatch(/^b has the lowest error .* 1 mm\.$/);
+  expect(bestText(['a', 'b'], [0.002, null])).toBeNull();
 });

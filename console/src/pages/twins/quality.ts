@@ -128,13 +128,13 @@ export interface Recording {
   readonly registered?: { readonly median_mm: number; readonly p95_mm: number; readonly explained: number };
 }
 
-type Measure = keyof Errors;
+export type Measure = keyof Errors;
 
 const MEASURES: readonly (readonly [Measure, string])[] = [
   ['track_m', 'tracks'],
   ['coordinate_m', 'coordinates'],
-  ['chamfer_l2_m', 'surface'],
-  ['chamfer_l1_m', 'surface L1'],
+  ['chamfer_l2_m', 'Chamfer'],
+  ['chamfer_l1_m', 'Chamfer L1'],
   ['padded_rms_m', 'padded RMS'],
 ];
 
@@ -143,7 +143,7 @@ const PREDICTORS: Record<string, string> = {
   axial: 'Axial springs alone',
   mean_of_fits: 'Mean of its fits',
   standing_still: 'Standing still',
-  last_residual: 'With its last training error added',
+  last_residual: 'Constant-bias correction',
   clamp_interpolation: 'Interpolation between the clamps',
 };
 
@@ -182,11 +182,15 @@ export function measuresOf(rows: readonly Row[]): (readonly [Measure, string])[]
   );
 }
 
-/** A twin's error, by the server's rule: in future frames, of tracks, else of coordinates, else of surfaces. */
-export function errorOf({ scores }: Quality): number | null {
+/** A twin's error and its measure in a word, by the rule of `Twin.error_m` (proto/bendtwin/v1/twin.proto). */
+export function headlineOf({ scores }: Quality): { measure: Measure; word: string; error_m: number } | null {
   const future = scores?.[0]?.future;
-  const found = [future?.track_m, future?.coordinate_m, future?.chamfer_l2_m].find(isNumber);
-  return found ?? null;
+  for (const measure of ['track_m', 'coordinate_m', 'chamfer_l2_m'] as const) {
+    const error_m = future?.[measure];
+    const word = MEASURES.find(([own]) => own === measure)?.[1] ?? '';
+    if (isNumber(error_m)) return { measure, word, error_m };
+  }
+  return null;
 }
 
 /** The choice of the fit among its starts, in a sentence; null for a single start. */
@@ -224,6 +228,18 @@ export function comparedText(first: string, second: string, a: number | null, b:
   const factor = ratio.toFixed(2);
   const errors = both(Math.min(a, b), Math.max(a, b));
   return `${better} is better than ${worse} by a factor of ${factor} on frames that were not fitted: ${errors}.`;
+}
+
+/** The best of several errors in a sentence, with those that differ from it by chance alone; null if one is missing. */
+export function bestText(names: readonly string[], errors: readonly (number | null)[]): string | null {
+  const known = errors.filter(isNumber);
+  if (known.length < errors.length || known.length === 0) return null;
+  const least = Math.min(...known);
+  const best = names[known.indexOf(least)] ?? '';
+  const alike = names.filter((name, index) => name !== best && known[index]! <= (1 + SEEDS_DIFFER) * least);
+  const text = `${best} has the lowest error on frames that were not fitted, ${millimetres(least)}`;
+  if (alike.length === 0) return `${text}.`;
+  return `${text}; that of ${new Intl.ListFormat('en-GB').format(alike)} is no different beyond seeds.`;
 }
 
 function isNumber(value: number | null | undefined): value is number {

@@ -7,37 +7,33 @@ import { TEXTS, type OtherTexts } from '../parts/labels';
 import { readSettings } from '../parts/settings';
 import { readTags } from '../parts/tags';
 import { forget, type Kept } from './kept';
+import { offerList } from './offers';
 import { transferList } from './rows';
 import { intake, take, transfersOf } from './take';
 import { isUnderWay, type Transfers } from './transfers';
+import './upload.css';
 
 /** The page on which captures are uploaded. */
 export const open: OpenPage = (context) => {
   context.setTitle('Upload');
   const transfers = transfersOf(context.api);
-  const said = h('div', { role: 'alert' });
   const busy = h('p', { role: 'status' });
-  const say = (): void => {
-    const texts = intake.sentences.map((text) => h('p', {}, text));
-    busy.textContent = intake.busy > 0 ? 'Looking through the files…' : '';
-    said.replaceChildren(...(texts.length > 0 ? [h('div', { class: 'problem' }, ...texts)] : []));
-  };
-  intake.addEventListener('said', say, { signal: context.signal });
-  say();
+  const tell = (): void => void (busy.textContent = intake.busy > 0 ? 'Looking through the files…' : '');
+  intake.addEventListener('change', tell, { signal: context.signal });
+  tell();
   const element = h(
     'div',
     {},
     dropZone(context),
     busy,
-    said,
-    transferList(transfers, context.signal, context.announce),
+    offerList(intake, context),
+    transferList(transfers, context),
     interrupted(transfers, context),
     labels(),
     h('h2', {}, 'From a terminal'),
     command(cli('bendtwin capture push FOLDER --watch')),
   );
-  const dispose = (): void => intake.say([]);
-  return { element, dispose };
+  return { element };
 };
 
 function dropZone({ api }: PageContext): HTMLElement {
@@ -53,7 +49,7 @@ function dropZone({ api }: PageContext): HTMLElement {
     h(
       'p',
       { class: 'muted' },
-      'Of a folder only the needed files are sent. An interrupted upload resumes where it stopped.',
+      'You see what was found before it is sent. Of a folder only the needed files are sent, and an interrupted upload resumes where it stopped.',
     ),
     h('div', { class: 'buttons' }, chooser('Choose files', api, false), chooser('Choose a folder', api, true)),
   );

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 
-import { contentOf, refusal } from './sniff';
+import { contentOf, kindOf, refusal } from './sniff';
 import { tar } from './tar';
 
 function file(name: string, bytes: readonly number[] | string): File {
@@ -58,4 +58,16 @@ test('markers of motion capture are captures', async () => {
 test('a document alone is refused with the place where it belongs', () => {
   expect(refusal('transforms.json', 'other')).toContain('drop the folder that it belongs to');
   expect(refusal('a.txt', 'other')).toContain('send a folder');
+});
+
+test('files that are no captures are called what they are', async () => {
+  const kinds = await Promise.all([
+    kindOf(file('setup.exe', 'MZ\x90')),
+    kindOf(file('film.zip', [0, 0, 0, 0x20, 0x66, 0x74, 0x79, 0x70])),
+    kindOf(file('photo.png', [0x89, 0x50, 0x4e, 0x47])),
+    kindOf(file('nothing.zip', [])),
+    kindOf(file('notes.txt', 'some text')),
+  ]);
+  expect(kinds).toEqual(['a Windows program', 'a video', 'an image', 'empty', null]);
+  expect(refusal('setup.exe', 'other', 'a Windows program')).toMatch(/^setup\.exe is a Windows program, not a capture: send/);
 });

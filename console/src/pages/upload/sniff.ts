@@ -40,8 +40,36 @@ function isTwin(bytes: Uint8Array<ArrayBuffer>, size: number): boolean {
   return length > 1n && length < BigInt(size);
 }
 
-/** Advice for files that are neither a capture nor a twin, or null. */
-export function refusal(name: string, content: Content): string | null {
+/** Files that people take for captures, or drop by mistake: where their mark lies, the mark, and words for them. */
+const OTHERS: readonly (readonly [number, string, string])[] = [
+  [0, 'MZ', 'a Windows program'],
+  [0, '\x7fELF', 'a Linux program'],
+  [0, '%PDF', 'a PDF document'],
+  [0, '\x89PNG', 'an image'],
+  [0, '\xff\xd8\xff', 'an image'],
+  [0, 'GIF8', 'an image'],
+  [4, 'ftyp', 'a video'],
+  [0, '\x1aE\xdf\xa3', 'a video'],
+  [8, 'AVI ', 'a video'],
+  [0, '7z\xbc\xaf', 'a 7z archive'],
+  [0, 'Rar!', 'a RAR archive'],
+  [0, '\x89HDF', 'an HDF5 file'],
+  [0, '#ROSBAG', 'a bag of ROS 1'],
+  [0, 'SQLite format 3', 'a database, as of ROS 2'],
+  [0, 'glTF', 'a mesh'],
+  [0, 'ply\n', 'a mesh or a cloud of points'],
+];
+
+/** What a file is that is no capture, in words; null if that is unknown. */
+export async function kindOf(file: File): Promise<string | null> {
+  const bytes = new Uint8Array(await file.slice(0, 32).arrayBuffer());
+  const text = String.fromCharCode(...bytes);
+  if (bytes.length === 0) return 'empty';
+  return OTHERS.find(([at, mark]) => text.startsWith(mark, at))?.[2] ?? null;
+}
+
+/** Advice for files that are neither a capture nor a twin, or null. `kind` says what they are, if that is known. */
+export function refusal(name: string, content: Content, kind: string | null = null): string | null {
   if (content === 'motion') {
     return `${name} is motion capture, which the command bendtwin capture push converts and sends.`;
   }
@@ -52,7 +80,7 @@ export function refusal(name: string, content: Content): string | null {
     }
     const taken =
       'a folder, an archive (.zip, .tar, .tar.gz), an .mcap file, markers (.c3d, .csv of OptiTrack, .trc), or a twin file';
-    return `${name} is not a capture: send ${taken}.`;
+    return `${name} is ${kind === null ? 'not a capture' : `${kind}, not a capture`}: send ${taken}.`;
   }
   return null;
 }

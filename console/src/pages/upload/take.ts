@@ -2,40 +2,15 @@ import type { Api } from '../../api/client';
 import type { Twin } from '../../api/types';
 import { idOf } from '../../api/routes';
 import { textOf } from '../../ui/problem';
-import type { Labels } from './kept';
+import { Intake, type Offer } from './intake';
 import { nameOf, type Package } from './select';
-import { contentOf, refusal } from './sniff';
-import { Transfers } from './transfers';
+import { contentOf, kindOf, refusal } from './sniff';
+import type { Survey } from './survey/survey';
+import { Transfers, fingerprintOfPackage } from './transfers';
 import { packagesOfDrop, packagesOfFiles } from './tree';
-
-/** Options for the next files. */
-export interface Options {
-  readonly labels: Labels;
-  /** Settings of the ingest as JSON, or empty. */
-  readonly ingest: string;
-}
 
 const NOTHING_READ =
   'It contains no capture: it has none of the files of a capture, such as capture.json, metadata.json or final_data.pkl.';
-
-/** Event `said` with a sentence about files that were not taken. */
-class Intake extends EventTarget {
-  options: Options = { labels: { name: '', texts: {}, note: '', tags: [] }, ingest: '' };
-  sentences: readonly string[] = [];
-  /** Number of drops whose files are being looked through. */
-  busy = 0;
-
-  say(sentences: readonly string[]): void {
-    this.sentences = sentences;
-    this.dispatchEvent(new Event('said'));
-  }
-
-  /** Notes that files are looked through, and, with -1, that they no longer are. */
-  look(by: 1 | -1): void {
-    this.busy += by;
-    this.dispatchEvent(new Event('said'));
-  }
-}
 
 /** Where files are taken in, on any page. */
 export const intake = new Intake();
@@ -49,7 +24,18 @@ export function transfersOf(api: Api): Transfers {
   return known;
 }
 
-/** Uploads what was dropped or chosen, and goes to where that is seen. Twins are imported. */
+/** Surveys of what is sent. */
+const SURVEYS = new WeakMap<Package, Survey>();
+
+/** What was found in files before they were sent; null if they were not looked into. */
+export function surveyed(source: Package): Survey | null {
+  return SURVEYS.get(source) ?? null;
+}
+
+/**
+ * Takes what was dropped or chosen, and goes to where that is seen. Twins are imported, complete captures and those
+ * whose upload was begun before are uploaded; of others a person sees first what was found in them.
+ */
 export function take(api: Api, given: DataTransfer | readonly File[]): void {
   // What was dropped can be asked for only now; that it was read comes later.
   const packages = given instanceof DataTransfer ? packagesOfDrop(given) : packagesOfFiles(given);
@@ -57,39 +43,57 @@ export function take(api: Api, given: DataTransfer | readonly File[]): void {
   location.hash = '#/upload';
   void packages
     .then((all) => takeAll(api, all))
-    .catch((error: unknown) => intake.say([textOf(error)]))
+    .catch((error: unknown) => intake.refuse(textOf(error)))
     .finally(() => intake.look(-1));
 }
 
 async function takeAll(api: Api, packages: readonly Package[]): Promise<void> {
-  const sentences: string[] = packages.length === 0 ? [NOTHING_READ] : [];
-  const { labels, ingest } = intake.options;
+  if (packages.length === 0) intake.refuse(NOTHING_READ);
+  // Fetched when it is needed: files can be dropped on any page.
+  const { look } = await import('./survey/look');
   for (const source of packages) {
-    const content = source.kind === 'folder' ? 'capture' : await contentOf(source.file);
-    const refused = refusal(source.kind === 'file' ? source.file.name : source.name, content);
-    if (refused !== null) sentences.push(refused);
-    else if (content === 'twin' && source.kind === 'file') sentences.push(...(await importTwin(api, source.file)));
-    else {
-      // A name that was given is that of one.
-      const name = packages.length === 1 && labels.name !== '' ? labels.name : source.name;
-      transfersOf(api).add(source, { ...labels, name }, ingest);
+    try {
+      await takeOne(api, source, packages.length === 1, look);
+    } catch (error) {
+      // The others are taken all the same.
+      intake.refuse(`${source.kind === 'file' ? source.file.name : source.name}: ${textOf(error)}`);
     }
   }
-  intake.say(sentences);
 }
 
-/** Imports the file of a twin and goes to it; else what is wrong, in a sentence. */
-async function importTwin(api: Api, file: File): Promise<string[]> {
-  const name = nameOf(file.name.replace(/\.safetensors$/i, ''));
-  try {
-    const twin = await api.json<Twin>(`/v1/twins?${new URLSearchParams({ display_name: name })}`, {
-      method: 'POST',
-      headers: { 'content-type': 'application/octet-stream' },
-      body: file,
-    });
-    location.hash = `#/twins/${idOf(twin.name)}`;
-    return [];
-  } catch (error) {
-    return [`${file.name}: ${textOf(error)}`];
+async function takeOne(api: Api, source: Package, isOnly: boolean, look: (source: Package) => Promise<Survey>): Promise<void> {
+  const content = source.kind === 'folder' ? 'capture' : await contentOf(source.file);
+  if (source.kind === 'file' && content !== 'capture') {
+    if (content === 'twin') return importTwin(api, source.file);
+    return intake.refuse(refusal(source.file.name, content, await kindOf(source.file)) ?? '');
   }
+  const survey = await look(source);
+  SURVEYS.set(source, survey);
+  const offer = { files: fingerprintOfPackage(source), source, survey, isOnly };
+  if (survey.isComplete || transfersOf(api).wasBegun(source)) send(api, offer);
+  else intake.offer(offer);
+}
+
+/** Uploads what was offered, with the labels that are given now. */
+export function accept(api: Api, offer: Offer): void {
+  intake.dismiss(offer.id);
+  send(api, offer);
+}
+
+function send(api: Api, { source, isOnly }: Pick<Offer, 'source' | 'isOnly'>): void {
+  const { labels, ingest } = intake.options;
+  // A name that was given is that of one.
+  const name = isOnly && labels.name !== '' ? labels.name : source.name;
+  transfersOf(api).add(source, { ...labels, name }, ingest);
+}
+
+/** Imports the file of a twin and goes to it. */
+async function importTwin(api: Api, file: File): Promise<void> {
+  const name = nameOf(file.name.replace(/\.safetensors$/i, ''));
+  const twin = await api.json<Twin>(`/v1/twins?${new URLSearchParams({ display_name: name })}`, {
+    method: 'POST',
+    headers: { 'content-type': 'application/octet-stream' },
+    body: file,
+  });
+  location.hash = `#/twins/${idOf(twin.name)}`;
 }

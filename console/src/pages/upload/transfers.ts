@@ -62,6 +62,12 @@ export class Transfers extends EventTarget {
     return kept().filter(({ files }) => !this.#jobs.some((job) => job.kept.files === files && isUnderWay(job.shown)));
   }
 
+  /** True if an upload of these files was begun and did not end. */
+  wasBegun(source: Package): boolean {
+    const files = fingerprintOfPackage(source);
+    return kept().some((upload) => upload.files === files);
+  }
+
   /** Begins an upload, or resumes an interrupted one of the same files. */
   add(source: Package, labels: Labels, ingest: string): void {
     const files = fingerprintOfPackage(source);
@@ -195,11 +201,13 @@ function inFolder({ name, files }: Package & { kind: 'folder' }): { path: string
   return files.map(({ path, file }) => ({ path: `${name}/${path}`, file }));
 }
 
-function sizeOf(source: Package): number {
+/** Bytes of what is sent, without the heads of an archive. */
+export function sizeOf(source: Package): number {
   return source.kind === 'file' ? source.file.size : source.files.reduce((sum, { file }) => sum + file.size, 0);
 }
 
-function fingerprintOfPackage(source: Package): string {
+/** Fingerprint of what is sent, by which it is found again. */
+export function fingerprintOfPackage(source: Package): string {
   const files = source.kind === 'file' ? [{ path: source.file.name, file: source.file }] : inFolder(source);
   return fingerprintOf(files.map(({ path, file }) => ({ path, size: file.size, lastModified: file.lastModified })));
 }

@@ -180,6 +180,7 @@ export class PointerDrag {
     for (const gripper of driver.usable) {
       if (gripper < driver.hands || driver.isHolding(gripper)) {
         offer({ kind: 'hand', gripper }, scene.gripper(gripper), 10);
+        offer({ kind: 'hand', gripper }, scene.gripperMiddle(gripper), 0);
       }
     }
     const nodes = scene.motion.shown.positions.length / 3;

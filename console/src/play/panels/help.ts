@@ -3,7 +3,7 @@ import { panel } from './parts';
 
 const KEYS: readonly (readonly [string, string])[] = [
   ['Drag a point of the object', 'grasps it; releasing drops it, with Shift it stays held'],
-  ['Drag an orange ball', 'moves that hand'],
+  ['Drag a gripper', 'moves it with what it holds; orange ones hold something'],
   ['Wheel while dragging', 'away from you and towards you'],
   ['Drag beside the object', 'rotates the view; right button or two fingers move it; wheel or pinch zooms'],
   ['Tab, Shift and Tab', 'the next or previous gripper; after the last one leaves the picture'],

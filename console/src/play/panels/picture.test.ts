@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Appearance } from '../../view3d/appearance';
+import type { Surface } from '../../view3d/surface/surface';
 import { readLook } from './picture';
 
 const coloured: Appearance = { skinColours: new Uint8Array(3), splats: null };
@@ -11,13 +12,15 @@ const splats = {
 };
 
 describe('the layers of a twin', () => {
-  const layers = (appearance: Appearance | null, query = ''): string[] =>
-    [...readLook(new URLSearchParams(query), { appearance }).layers];
+  const layers = (appearance: Appearance | null, query = '', surface: Surface | null = null): string[] =>
+    [...readLook(new URLSearchParams(query), { appearance, surface }).layers];
 
-  it('have springs unless there are splats that these would pierce', () => {
+  it('have springs unless there are splats that these would pierce, or a surface that hides them', () => {
     expect(layers(null)).toContain('springs');
     expect(layers(coloured)).toContain('springs');
     expect(layers({ ...coloured, splats })).toEqual(['skin', 'appearance', 'shadow']);
+    const surface = { carriers: splats.carriers, triangles: none, colours: new Uint8Array(0), tubes: [] };
+    expect(layers(null, '', surface)).toEqual(['skin', 'appearance', 'shadow']);
   });
 
   it('are those of the address where it names some', () => {

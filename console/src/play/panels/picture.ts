@@ -25,9 +25,9 @@ export interface Look {
   colour: ColourBy;
 }
 
-/** A look from an address, where it has one; else springs only where they do not pierce splats. */
-export function readLook(query: URLSearchParams, { appearance }: Pick<TwinShape, 'appearance'>): Look {
-  const usual = appearance?.splats ? 'skin,appearance,shadow' : 'skin,appearance,springs,shadow';
+/** A look from an address, where it has one; else springs only where no surface or splats hide them. */
+export function readLook(query: URLSearchParams, shape: Pick<TwinShape, 'appearance' | 'surface'>): Look {
+  const usual = shape.surface !== null || shape.appearance?.splats ? 'skin,appearance,shadow' : 'skin,appearance,springs,shadow';
   const names = (query.get('layers') ?? usual).split(',');
   const colour = query.get('colour') ?? 'none';
   return {

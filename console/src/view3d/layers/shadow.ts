@@ -1,64 +1,88 @@
-import { Points, ShaderMaterial, Vector3, type BufferGeometry } from 'three';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DataTexture,
+  DoubleSide,
+  DynamicDrawUsage,
+  LinearFilter,
+  Mesh,
+  RedFormat,
+  ShaderMaterial,
+} from 'three';
 import type { Plane } from '../shape';
 import type { Layer } from '../stage';
+import { Footprint, SIDE, type Caster } from '../surface/footprint';
 
 const VERTEX = /* glsl */ `
-  uniform vec4 plane;
-  uniform float size;
-  uniform float height;
-  varying float shade;
+  varying vec2 at;
   void main() {
-    float above = dot(plane.xyz, position) - plane.w;
-    vec3 foot = position - (above - 0.001) * plane.xyz;
-    shade = above < -0.01 ? 0.0 : 0.22 / (1.0 + 8.0 * max(above, 0.0));
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(foot, 1.0);
-    gl_PointSize = max(2.0, size * projectionMatrix[1][1] * 0.5 * height / max(gl_Position.w, 1e-6));
+    at = uv;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   }
 `;
 
 const FRAGMENT = /* glsl */ `
-  varying float shade;
+  uniform sampler2D shade;
+  varying vec2 at;
   void main() {
-    vec2 at = 2.0 * gl_PointCoord - 1.0;
-    float square = dot(at, at);
-    if (square > 1.0) discard;
-    gl_FragColor = vec4(0.1, 0.12, 0.15, shade * (1.0 - square));
+    gl_FragColor = vec4(0.06, 0.08, 0.11, 0.5 * texture2D(shade, at).r);
   }
 `;
 
-/** Spots below points on the ground, which show their height. They share the points' memory. */
+/** The soft shadow of an object on the ground, which shows its height. */
 export class ShadowLayer implements Layer {
-  readonly object: Points<BufferGeometry, ShaderMaterial>;
-  readonly #uniforms = { plane: { value: [0, 0, 1, 0] }, size: { value: 0.01 }, height: { value: 1 } };
+  readonly object: Mesh<BufferGeometry, ShaderMaterial>;
+  readonly #texture = new DataTexture(new Uint8Array(SIDE * SIDE), SIDE, SIDE, RedFormat);
+  #footprint: Footprint | null = null;
 
-  /** `geometry` stays its owner's. */
-  constructor(geometry: BufferGeometry, sizeM: number) {
-    this.#uniforms.size.value = sizeM;
+  /** `size` is that of the object [m]. */
+  constructor(private readonly size: number) {
+    this.#texture.magFilter = LinearFilter;
+    this.#texture.minFilter = LinearFilter;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(new Float32Array(12), 3).setUsage(DynamicDrawUsage));
+    geometry.setAttribute('uv', new BufferAttribute(new Float32Array(8), 2).setUsage(DynamicDrawUsage));
+    geometry.setIndex([0, 1, 2, 0, 2, 3]);
     const material = new ShaderMaterial({
-      uniforms: this.#uniforms,
+      uniforms: { shade: { value: this.#texture } },
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
       transparent: true,
       depthWrite: false,
+      side: DoubleSide,
     });
-    this.object = new Points(geometry, material);
+    this.object = new Mesh(geometry, material);
     this.object.frustumCulled = false;
     this.object.renderOrder = -1;
-    this.object.onBeforeRender = (renderer) => {
-      this.#uniforms.height.value = renderer.domElement.height;
-      material.uniformsNeedUpdate = true;
-    };
   }
 
-  /** Falls on a plane; hidden without one. */
+  /** Falls on a plane; there is none without one. */
   place(plane: Plane | null): void {
-    this.object.visible = plane !== null;
-    if (plane === null) return;
-    const normal = new Vector3(...plane.normal).normalize();
-    this.#uniforms.plane.value = [...normal.toArray(), plane.offset_m];
+    this.#footprint = plane === null ? null : new Footprint(plane, this.size);
+  }
+
+  /** Casts the shadow of something. */
+  cast(caster: Caster): void {
+    const footprint = this.#footprint;
+    if (footprint === null) return;
+    footprint.cast(caster);
+    (this.#texture.image.data as Uint8Array).set(footprint.cells);
+    this.#texture.needsUpdate = true;
+    const [columns, rows] = footprint.used;
+    const { geometry } = this.object;
+    const [positions, uvs] = [geometry.getAttribute('position'), geometry.getAttribute('uv')];
+    const corners = [[0, 0], [columns, 0], [columns, rows], [0, rows]] as const;
+    corners.forEach(([column, row], corner) => {
+      positions.setXYZ(corner, ...footprint.point(column, row));
+      uvs.setXY(corner, column / SIDE, row / SIDE);
+    });
+    positions.needsUpdate = true;
+    uvs.needsUpdate = true;
   }
 
   dispose(): void {
+    this.#texture.dispose();
+    this.object.geometry.dispose();
     this.object.material.dispose();
   }
 }

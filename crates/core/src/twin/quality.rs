@@ -156,6 +156,9 @@ pub struct Assessment {
 }
 
 impl Level {
+    /// All levels, the best first.
+    pub const ALL: [Self; 4] = [Self::Good, Self::Fair, Self::Poor, Self::Unknown];
+
     /// The word.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -135,10 +135,11 @@ impl Jobs<'_> {
             .await?;
         let items = rows.into_iter().map(Job::try_from).collect::<Result<_>>()?;
         let listing = query.listing(Collection::Fits);
-        Ok(Page::cut(items, &query.page, &listing, |f: &Job| {
+        let page = Page::cut(items, &query.page, &listing, |f: &Job| {
             let name_key = labels::name_key(&f.labels.display_name);
             (f.id.uuid(), query.key(&name_key, labels::key_of(f.error_m)))
-        }))
+        });
+        Ok(page.of(query.total(self.store, Collection::Fits).await?))
     }
 
     /// Changes name, note and tags of a fit.

@@ -1,3 +1,5 @@
+use bendtwin_core::quality::Level;
+
 use super::*;
 use crate::{
     Kind, ListQuery, NewFit, NewTwin, TwinFacts,
@@ -121,7 +123,7 @@ async fn a_renamed_fit_is_announced_and_names_its_twin(on: On) {
     assert_eq!(jobs.get(id).await.unwrap().error_m, Some(0.005));
 }
 
-const QUALITY: &str = r#"{"scores": [{"predictor": "bending", "train": {},
+const QUALITY: &str = r#"{"assessment": {"level": "fair", "why": "", "next": ""}, "scores": [{"predictor": "bending", "train": {},
     "future": {"track_m": 0.005, "chamfer_l1_m": 0.002}}]}"#;
 
 /// Rows as the migration leaves them are searched, sorted and compared like new ones.
@@ -141,7 +143,7 @@ async fn rows_from_before_are_filled_in_when_the_store_opens(on: On) {
     );
     for statement in [
         "update captures set search_text = null, name_key = ''",
-        "update twins set search_text = null, name_key = '', error_m = 1e300",
+        "update twins set search_text = null, name_key = '', error_m = 1e300, level = null",
         "update jobs set search_text = null, name_key = '', error_m = 1e300, display_name = '',
              first_name = null",
     ] {
@@ -159,4 +161,6 @@ async fn rows_from_before_are_filled_in_when_the_store_opens(on: On) {
     assert_eq!(bench.store.captures().list(&query).await.unwrap().items.len(), 1);
     assert_eq!(bench.store.jobs().fits(&query).await.unwrap().items.len(), 1);
     assert_eq!(bench.store.twins().list(&query).await.unwrap().items.len(), 1);
+    let fair = ListQuery { level: Some(Level::Fair), ..ListQuery::default() };
+    assert_eq!(bench.store.twins().list(&fair).await.unwrap().items.len(), 1);
 }

@@ -72,9 +72,16 @@ pub struct Page<T> {
     pub items: Vec<T>,
     /// Token of the next page; empty on the last.
     pub next_token: String,
+    /// Rows of all pages, up to 10,000; `None` where they are not counted, and behind the first page.
+    pub total: Option<u32>,
 }
 
 impl<T> Page<T> {
+    /// The page with the number of rows of all pages.
+    pub(crate) fn of(self, total: Option<u32>) -> Self {
+        Self { total, ..self }
+    }
+
     /// A page of items that are not rows, each with another key, in the order of the keys.
     pub(crate) fn of_sorted(
         items: Vec<T>,
@@ -109,7 +116,7 @@ impl<T> Page<T> {
             }
             _ => String::new(),
         };
-        Self { items, next_token }
+        Self { items, next_token, total: None }
     }
 }
 

@@ -12,6 +12,7 @@ on_both! {
     a_renamed_row_hides_no_other,
     lists_are_filtered,
     a_token_belongs_to_its_filters_and_order,
+    the_first_page_counts_what_matches,
 }
 
 const ORDERS: [(OrderKey, bool); 6] = [
@@ -256,4 +257,24 @@ async fn no_page_sorts_or_reads_what_comes_before_it() {
         let steps = plan(&bench, &query, collection).await;
         assert!(steps.len() == 1 && steps[0].starts_with("SEARCH"), "{steps:?}");
     }
+}
+
+async fn the_first_page_counts_what_matches(on: On) {
+    let bench = Bench::new(on).await;
+    fits(&bench, &[("a", Some(1.0)), ("b", None), ("ab", None)]).await;
+    let mut asked = ListQuery { search: "a".into(), ..ListQuery::default() };
+    asked.page.size = 1;
+    let page = bench.store.jobs().fits(&asked).await.unwrap();
+    assert_eq!((page.items.len(), page.total), (1, Some(2)));
+    asked.page.token = page.next_token;
+    assert_eq!(bench.store.jobs().fits(&asked).await.unwrap().total, None);
+    let tagged = ListQuery { tag: "wet".into(), ..ListQuery::default() };
+    assert_eq!(bench.store.captures().list(&tagged).await.unwrap().total, Some(0));
+    assert_eq!(bench.store.captures().list(&ListQuery::default()).await.unwrap().total, Some(1));
+    // The twin has no assessment.
+    let fair = ListQuery { level: Some(Level::Fair), ..ListQuery::default() };
+    assert_eq!(bench.store.twins().list(&fair).await.unwrap().total, Some(0));
+    bench.tell(query("update twins set level = 'fair'")).await;
+    let page = bench.store.twins().list(&fair).await.unwrap();
+    assert_eq!((page.items.len(), page.total), (1, Some(1)));
 }

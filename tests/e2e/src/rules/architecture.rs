@@ -10,7 +10,7 @@ use super::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 25] = [
+const PHYSICS: [&str; 26] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-calibrate",
@@ -36,6 +36,7 @@ const PHYSICS: [&str; 25] = [
     "bendtwin-study",
     "bendtwin-surface",
     "bendtwin-synth",
+    "bendtwin-thumbnail",
 ];
 /// Crates that read, judge and lift captures, or write twins, without physics.
 const CAMERA_SIDE: [&str; 11] = [
@@ -77,11 +78,20 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 16] = [
+const RULES: [Rule; 17] = [
     Rule {
-        of: &["bendtwin-server", "bendtwin-store"],
+        of: &["bendtwin-store"],
         because: "the control plane knows no physics",
         never: &[&PHYSICS, &["bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-server"],
+        because: "the server shows twins and writes them for other programs, but simulates and fits nothing",
+        never: &[
+            &SIMULATION,
+            &["bendtwin-ingest", "bendtwin-inspect", "bendtwin-lift", "bendtwin-segment"],
+            &["bendtwin-rollout", "bendtwin-worker"],
+        ],
     },
     Rule {
         of: &["bendtwin-worker"],

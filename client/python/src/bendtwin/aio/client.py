@@ -390,11 +390,13 @@ class Client:
         info = await self._caller.run(session_calls.open_session(request))
         return Session(self._caller, of, request, info, vary)
 
-    def twins(self, capture: str = "", **choice: Unpack[ListArguments]) -> AsyncIterator[Twin]:
-        """All twins, newest first, or those of a capture, with a text or a tag."""
-        return (
-            self._twin(info) async for info in self._caller.pages(calls.list_twins(capture, choice))
-        )
+    def twins(
+        self, capture: str = "", *, level: str = "", **choice: Unpack[ListArguments]
+    ) -> AsyncIterator[Twin]:
+        """All twins, newest first, or those of a capture, with a text or a tag, or of a level of
+        trust: good, fair, poor or unknown."""
+        pages = self._caller.pages(calls.list_twins(capture, level, choice))
+        return (self._twin(info) for info in pages)
 
     async def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
         """Changes display name, note and tags of a twin; omitted ones stay."""

@@ -14,6 +14,7 @@ from bendtwin.simulation.arguments import RolloutArguments
 from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.simulation.registration import RegisterArguments, Registration, register_state
 from bendtwin.simulation.rollout import RolloutResult
+from bendtwin.surface import Surface
 from bendtwin.twin import TwinFacts
 
 if TYPE_CHECKING:
@@ -28,6 +29,13 @@ class Twin(TwinFacts[AsyncCaller]):
         if self._geometry is None:
             self._geometry = await self._caller.run(calls.twin_geometry(self.name), timeout_s)
         return self._geometry
+
+    async def surface(self, *, timeout_s: float | None = None) -> Surface:
+        """Triangles around the twin in its colours, or tubes along its cables, to be looked at;
+        fetched once, since twins never change."""
+        if self._surface is None:
+            self._surface = await self._caller.run(calls.twin_surface(self.name), timeout_s)
+        return self._surface
 
     async def rollout(
         self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]

@@ -112,12 +112,14 @@ class ListCapturesRequest(_message.Message):
     def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ..., recorded_by: _Optional[str] = ...) -> None: ...
 
 class ListCapturesResponse(_message.Message):
-    __slots__ = ("captures", "next_page_token")
+    __slots__ = ("captures", "next_page_token", "total_size")
     CAPTURES_FIELD_NUMBER: _ClassVar[int]
     NEXT_PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
+    TOTAL_SIZE_FIELD_NUMBER: _ClassVar[int]
     captures: _containers.RepeatedCompositeFieldContainer[Capture]
     next_page_token: str
-    def __init__(self, captures: _Optional[_Iterable[_Union[Capture, _Mapping]]] = ..., next_page_token: _Optional[str] = ...) -> None: ...
+    total_size: int
+    def __init__(self, captures: _Optional[_Iterable[_Union[Capture, _Mapping]]] = ..., next_page_token: _Optional[str] = ..., total_size: _Optional[int] = ...) -> None: ...
 
 class UpdateCaptureRequest(_message.Message):
     __slots__ = ("capture", "update_mask", "add_tags", "remove_tags")

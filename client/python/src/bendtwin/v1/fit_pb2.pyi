@@ -78,12 +78,14 @@ class ListFitsRequest(_message.Message):
     def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., state: _Optional[_Union[_job_pb2.Job.State, str]] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ...) -> None: ...
 
 class ListFitsResponse(_message.Message):
-    __slots__ = ("fits", "next_page_token")
+    __slots__ = ("fits", "next_page_token", "total_size")
     FITS_FIELD_NUMBER: _ClassVar[int]
     NEXT_PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
+    TOTAL_SIZE_FIELD_NUMBER: _ClassVar[int]
     fits: _containers.RepeatedCompositeFieldContainer[Fit]
     next_page_token: str
-    def __init__(self, fits: _Optional[_Iterable[_Union[Fit, _Mapping]]] = ..., next_page_token: _Optional[str] = ...) -> None: ...
+    total_size: int
+    def __init__(self, fits: _Optional[_Iterable[_Union[Fit, _Mapping]]] = ..., next_page_token: _Optional[str] = ..., total_size: _Optional[int] = ...) -> None: ...
 
 class UpdateFitRequest(_message.Message):
     __slots__ = ("fit", "update_mask", "add_tags", "remove_tags")

@@ -136,6 +136,30 @@ class TwinGeometry(_message.Message):
     skin_sd: _tensor_pb2.Tensor
     def __init__(self, rest_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., kinds: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., edges: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rest_lengths: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., triplets: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., masses: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., hands: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., pins: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., surface_count: _Optional[int] = ..., rod_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., gravity: _Optional[_Iterable[float]] = ..., ground: _Optional[_Union[_world_pb2.Plane, _Mapping]] = ..., ground_friction: _Optional[float] = ..., ground_restitution: _Optional[float] = ..., mass_kg: _Optional[float] = ..., spacing_m: _Optional[float] = ..., rod_starts: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rod_nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., skin: _Optional[_Union[TwinGeometry.Skin, _Mapping]] = ..., fits: _Optional[int] = ..., spring_stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., bend_stiffness: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., node_regions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., skin_sd: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
+class GetTwinSurfaceRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class TwinSurface(_message.Message):
+    __slots__ = ("carriers", "triangles", "colors", "tube_starts", "tube_nodes", "tube_radii", "node_count")
+    CARRIERS_FIELD_NUMBER: _ClassVar[int]
+    TRIANGLES_FIELD_NUMBER: _ClassVar[int]
+    COLORS_FIELD_NUMBER: _ClassVar[int]
+    TUBE_STARTS_FIELD_NUMBER: _ClassVar[int]
+    TUBE_NODES_FIELD_NUMBER: _ClassVar[int]
+    TUBE_RADII_FIELD_NUMBER: _ClassVar[int]
+    NODE_COUNT_FIELD_NUMBER: _ClassVar[int]
+    carriers: TwinGeometry.Skin
+    triangles: _tensor_pb2.Tensor
+    colors: _tensor_pb2.Tensor
+    tube_starts: _tensor_pb2.Tensor
+    tube_nodes: _tensor_pb2.Tensor
+    tube_radii: _tensor_pb2.Tensor
+    node_count: int
+    def __init__(self, carriers: _Optional[_Union[TwinGeometry.Skin, _Mapping]] = ..., triangles: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., colors: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., tube_starts: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., tube_nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., tube_radii: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., node_count: _Optional[int] = ...) -> None: ...
+
 class CreateTwinRequest(_message.Message):
     __slots__ = ("metadata", "chunk")
     METADATA_FIELD_NUMBER: _ClassVar[int]
@@ -161,7 +185,7 @@ class GetTwinRequest(_message.Message):
     def __init__(self, name: _Optional[str] = ...) -> None: ...
 
 class ListTwinsRequest(_message.Message):
-    __slots__ = ("page_size", "page_token", "capture", "search", "tag", "order_by", "owner")
+    __slots__ = ("page_size", "page_token", "capture", "search", "tag", "order_by", "owner", "level")
     PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
     PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
@@ -169,6 +193,7 @@ class ListTwinsRequest(_message.Message):
     TAG_FIELD_NUMBER: _ClassVar[int]
     ORDER_BY_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
+    LEVEL_FIELD_NUMBER: _ClassVar[int]
     page_size: int
     page_token: str
     capture: str
@@ -176,15 +201,18 @@ class ListTwinsRequest(_message.Message):
     tag: str
     order_by: str
     owner: str
-    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ...) -> None: ...
+    level: str
+    def __init__(self, page_size: _Optional[int] = ..., page_token: _Optional[str] = ..., capture: _Optional[str] = ..., search: _Optional[str] = ..., tag: _Optional[str] = ..., order_by: _Optional[str] = ..., owner: _Optional[str] = ..., level: _Optional[str] = ...) -> None: ...
 
 class ListTwinsResponse(_message.Message):
-    __slots__ = ("twins", "next_page_token")
+    __slots__ = ("twins", "next_page_token", "total_size")
     TWINS_FIELD_NUMBER: _ClassVar[int]
     NEXT_PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
+    TOTAL_SIZE_FIELD_NUMBER: _ClassVar[int]
     twins: _containers.RepeatedCompositeFieldContainer[Twin]
     next_page_token: str
-    def __init__(self, twins: _Optional[_Iterable[_Union[Twin, _Mapping]]] = ..., next_page_token: _Optional[str] = ...) -> None: ...
+    total_size: int
+    def __init__(self, twins: _Optional[_Iterable[_Union[Twin, _Mapping]]] = ..., next_page_token: _Optional[str] = ..., total_size: _Optional[int] = ...) -> None: ...
 
 class UpdateTwinRequest(_message.Message):
     __slots__ = ("twin", "update_mask", "add_tags", "remove_tags")

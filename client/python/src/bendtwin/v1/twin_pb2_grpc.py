@@ -70,6 +70,11 @@ class TwinServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_twin__pb2.GetTwinGeometryRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_twin__pb2.TwinGeometry.FromString,
                 _registered_method=True)
+        self.GetTwinSurface = channel.unary_unary(
+                '/bendtwin.v1.TwinService/GetTwinSurface',
+                request_serializer=bendtwin_dot_v1_dot_twin__pb2.GetTwinSurfaceRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_twin__pb2.TwinSurface.FromString,
+                _registered_method=True)
 
 
 class TwinServiceServicer(object):
@@ -124,6 +129,14 @@ class TwinServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def GetTwinSurface(self, request, context):
+        """The surface of a twin for the eye: a closed triangle mesh in the object's colours, or tubes along cables. It is
+        made here for a twin whose file has none.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
 
 def add_TwinServiceServicer_to_server(servicer, server):
     rpc_method_handlers = {
@@ -161,6 +174,11 @@ def add_TwinServiceServicer_to_server(servicer, server):
                     servicer.GetTwinGeometry,
                     request_deserializer=bendtwin_dot_v1_dot_twin__pb2.GetTwinGeometryRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_twin__pb2.TwinGeometry.SerializeToString,
+            ),
+            'GetTwinSurface': grpc.unary_unary_rpc_method_handler(
+                    servicer.GetTwinSurface,
+                    request_deserializer=bendtwin_dot_v1_dot_twin__pb2.GetTwinSurfaceRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_twin__pb2.TwinSurface.SerializeToString,
             ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
@@ -353,6 +371,33 @@ class TwinService(object):
             '/bendtwin.v1.TwinService/GetTwinGeometry',
             bendtwin_dot_v1_dot_twin__pb2.GetTwinGeometryRequest.SerializeToString,
             bendtwin_dot_v1_dot_twin__pb2.TwinGeometry.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def GetTwinSurface(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.TwinService/GetTwinSurface',
+            bendtwin_dot_v1_dot_twin__pb2.GetTwinSurfaceRequest.SerializeToString,
+            bendtwin_dot_v1_dot_twin__pb2.TwinSurface.FromString,
             options,
             channel_credentials,
             insecure,

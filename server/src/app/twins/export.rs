@@ -1,0 +1,66 @@
+//! Twins as files of other programs (docs/formats/exchange.md).
+
+use std::{io::Cursor, sync::Arc};
+
+use bendtwin_budget::Share;
+use bendtwin_core::Twin as TwinFile;
+use bendtwin_exchange::{
+    Error as ExchangeError, ExportFormat, Format, PointSet, Scene, encode, web_page,
+};
+
+use super::{App, Error, Result};
+use crate::{access::Scope, twin_page::twin_page_template};
+
+/// A file of another program, and its memory.
+pub(crate) struct Exported {
+    pub(crate) bytes: Vec<u8>,
+    /// The usual end of its name.
+    pub(crate) extension: &'static str,
+    pub(crate) held: Arc<Share>,
+}
+
+impl App {
+    /// A twin at rest in the format of another program, named by the word that `bendtwin twin export --format` takes.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an unknown word, [`Error::Export`] if the format cannot carry the twin.
+    pub(crate) async fn export_as(&self, name: &str, format: &str) -> Result<Exported> {
+        let twin = self.reach(Scope::TwinsRead, name).await?;
+        let format: ExportFormat = format
+            .parse()
+            .map_err(|known: String| Error::invalid("format", format!("is unknown: {known}")))?;
+        let _turn = self.drawing.turn().await;
+        let read = self.read_twin(twin, move |row, twin| {
+            let name = match row.labels.display_name.as_str() {
+                "" => row.id.to_string(),
+                name => name.to_owned(),
+            };
+            match format {
+                ExportFormat::Html => page(&name, twin),
+                ExportFormat::Of(format) => Ok(file(&name, twin, format)?),
+            }
+        });
+        let bytes = read.await?;
+        let held = Arc::new(self.memory.reply(bytes.len() as u64).await?);
+        Ok(Exported { bytes, extension: format.extension(), held })
+    }
+}
+
+/// The web page of a twin.
+fn page(name: &str, twin: &TwinFile) -> Result<Vec<u8>> {
+    let template = twin_page_template()
+        .map_err(|e| Error::Internal(format!("the page of a twin is damaged: {e}")))?;
+    Ok(web_page(&template, name, &twin.encode()?)?)
+}
+
+/// The file: of the surface in formats of programs that show it, and else of the nodes, which a few nodes have alone.
+fn file(name: &str, twin: &TwinFile, format: Format) -> Result<Vec<u8>, ExchangeError> {
+    let points = if format.shows() { PointSet::Surface } else { PointSet::Nodes };
+    let scene = match Scene::new(name, twin, points, None) {
+        Err(ExchangeError::NoPoints(_)) => Scene::new(name, twin, PointSet::Nodes, None)?,
+        scene => scene?,
+    };
+    let mut file = Cursor::new(Vec::new());
+    encode(&scene, format, &mut file)?;
+    Ok(file.into_inner())
+}
