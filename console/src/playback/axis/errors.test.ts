@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { Score } from '../../pages/twins/quality';
+import { predictorText, type Score } from '../../pages/twins/quality';
 import { packed } from '../../view3d/tensor';
 import { Prediction } from '../prediction';
 import { Errors } from './errors';
@@ -38,7 +38,7 @@ describe('errors along time', () => {
     const scores = [score('bending', 1, 2), score('standing_still', 3, 4), score('last_residual', null, 5), score('axial', null, null)];
     expect(errors({ track_m: tensor(0, 0, 0, 1) }, scores).baselines).toMatchObject([
       { label: 'Standing still', train: 3, future: 4 },
-      { label: 'With its last training error added', train: null, future: 5 },
+      { label: predictorText('last_residual', false), train: null, future: 5 },
     ]);
   });
 });
