@@ -97,7 +97,8 @@ describe('the look of a twin', () => {
     await page.locator('canvas').focus();
     await page.keyboard.press('ArrowLeft');
     await page.locator('.ground-scale').waitFor();
-    await expect.poll(() => background.inputValue()).toBe('grid');
+    // The panel is folded since the page was loaded again.
+    await expect.poll(() => page.locator('select[aria-label="Background"]').inputValue()).toBe('grid');
     await visit.close();
   });
 

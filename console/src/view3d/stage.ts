@@ -184,8 +184,6 @@ export class Stage {
 
   /** Number of pixels of the page from the canvas's left and top at which a point is seen; null behind the camera. */
   project(point: Vector3): { x: number; y: number } | null {
-    // Drawing would do this only afterwards.
-    this.camera.updateMatrixWorld();
     const seen = point.clone().project(this.camera);
     if (seen.z > 1) return null;
     const { clientWidth, clientHeight } = this.canvas;
@@ -260,6 +258,8 @@ export class Stage {
   readonly #frame = (now: number): void => {
     this.#request = 0;
     let moves = false;
+    // Drawing would do this only after listeners have asked where points are seen.
+    this.camera.updateMatrixWorld();
     for (const listener of this.#listeners) moves = listener(now) || moves;
     if (this.#sharpness.next(now, moves)) this.#resizeCanvas();
     this.#draw();
@@ -279,8 +279,9 @@ export class Stage {
     this.#project();
     this.#look();
     this.#resizeCanvas();
-    // A canvas whose size has changed is empty until it is drawn.
+    // A canvas whose size has changed is empty until it is drawn; what lies over it follows with the next frame.
     this.#draw();
+    this.invalidate();
   };
 
   #resizeCanvas(): void {

@@ -44,7 +44,7 @@ const FRAGMENT = /* glsl */ `
     vec3 colour = shade;
     if (beyond > 0.02) {
       float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
-      colour = mix(shade, warning, clamp(beyond, 0.0, 1.0) * mix(0.55, 1.0, stripe));
+      colour = mix(shade, warning, smoothstep(0.0, 0.3, beyond) * mix(0.4, 1.0, stripe));
     }
     gl_FragColor = vec4(colour, 1.0);
   }
