@@ -34,7 +34,8 @@ export interface VisitOptions extends BrowserContextOptions {
 /** A person's visit to the console of a server: a page, and what went wrong in it. */
 export class Visit {
   readonly faults: string[] = [];
-  private readonly allowed: RegExp[] = [];
+  /** Browsers note every refused request; not every resource has a thumbnail. */
+  private readonly allowed: RegExp[] = [/status of 404 .*\/thumbnail/];
 
   private constructor(
     readonly page: Page,
