@@ -4,7 +4,7 @@ export function keepingFocus(content: HTMLElement, draw: () => void): void {
   const wanted = focused instanceof HTMLElement && content.contains(focused) ? labelOf(focused) : null;
   draw();
   if (wanted === null) return;
-  const controls = [...content.querySelectorAll<HTMLElement>('a, button, [tabindex]')];
+  const controls = [...content.querySelectorAll<HTMLElement>('a, button, input, [tabindex]')];
   controls.find((control) => labelOf(control) === wanted)?.focus({ preventScroll: true });
 }
 

@@ -2,6 +2,7 @@ import type { PageContext } from '../page';
 import { h } from './dom';
 import type { Child } from './dom';
 import { keepingFocus } from './focus';
+import { counted } from './format';
 import { problemBox } from './problem';
 import { table } from './table';
 import type { Column, Order } from './table';
@@ -12,12 +13,26 @@ export interface PageQuery {
   readonly order_by: string;
 }
 
+/** A page of a list; `total_size` is the number of rows on all pages, if the server says it. */
+export interface ListPage<Row> {
+  readonly rows: readonly Row[];
+  readonly next_page_token: string;
+  readonly total_size?: number | undefined;
+}
+
+/** The number of all entries that a reply of a list states; undefined if it states none. */
+export function totalOf(reply: object): number | undefined {
+  return (reply as { readonly total_size?: number }).total_size;
+}
+
 export interface ListOptions<Row> {
   readonly caption: string;
   readonly hidesCaption?: boolean;
   readonly columns: readonly Column<Row>[];
   /** Asks the server for a page of rows. */
-  readonly load: (query: PageQuery) => Promise<{ rows: readonly Row[]; next_page_token: string }>;
+  readonly load: (query: PageQuery) => Promise<ListPage<Row>>;
+  /** What a row is, as `capture`: the number of all rows is then shown, if it is known. */
+  readonly noun?: string;
   /** Shown in the place of a table without rows. */
   readonly empty: () => Child;
 }
@@ -45,7 +60,7 @@ export function list<Row>(context: PageContext, options: ListOptions<Row>): List
     try {
       const page = await options.load({ page_token: tokens.at(-1) ?? '', order_by });
       if (mine !== asked || context.signal.aborted) return;
-      show(page.rows, page.next_page_token);
+      show(page);
     } catch (error) {
       if (mine !== asked || context.signal.aborted) return;
       content.replaceChildren(problemBox(error, () => void reload()));
@@ -56,7 +71,7 @@ export function list<Row>(context: PageContext, options: ListOptions<Row>): List
     tokens = next;
     return reload();
   };
-  const show = (rows: readonly Row[], next: string): void => {
+  const show = ({ rows, next_page_token: next, total_size }: ListPage<Row>): void => {
     if (rows.length === 0 && tokens.length === 1) {
       content.replaceChildren(h('div', {}, options.empty()));
       return;
@@ -69,8 +84,11 @@ export function list<Row>(context: PageContext, options: ListOptions<Row>): List
       back: () => void turn(tokens.slice(0, -1)),
       on: () => void turn([...tokens, next]),
     };
+    // Without a further page all rows are here.
+    const total = total_size ?? (next === '' && tokens.length === 1 ? rows.length : undefined);
     keepingFocus(content, () =>
       content.replaceChildren(
+        options.noun === undefined || total === undefined ? '' : h('p', { class: 'muted' }, counted(total, options.noun)),
         table({ ...options, rows, order, onOrder }),
         pages(tokens.length, next !== '', go),
       ),

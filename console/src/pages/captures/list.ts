@@ -1,51 +1,62 @@
 import { idOf } from '../../api/routes';
 import { hasEnded, type Capture } from '../../api/types';
-import type { OpenPage } from '../../page';
-import { badge } from '../../ui/badge';
+import type { OpenPage, PageContext } from '../../page';
 import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';
-import { name, percent, size, time } from '../../ui/format';
-import { list } from '../../ui/list';
+import { millimetres, name, size, time } from '../../ui/format';
+import { list, totalOf, type ListPage, type PageQuery } from '../../ui/list';
 import { refresh } from '../../ui/refresh';
+import { placeholder, thumbnail } from '../../ui/thumbnail';
 import { tagLinks } from '../parts/labels';
-import { hasPoints } from '../parts/ingest';
 import { filters } from '../parts/query';
+import { MultiSelection } from '../parts/selection';
+import { deleteQuestion } from './dependents';
+import { Fits } from './fits';
+import { STATES, stateBadge, stateOf, whyNoFit } from './state';
+import './list.css';
 
 /** Interval at which captures that are being read are refreshed [ms]. */
 const REFRESH_MS = 2000;
+/** Captures that are asked for at once where the page chooses among them, and how many of its own are then shown. */
+const MANY = 1000;
+const ENOUGH = 50;
+
+const CHOICE = { name: 'state', label: 'State', values: [['', 'all'], ...STATES] } as const;
 
 /** The list of captures. */
 export const open: OpenPage = (context) => {
   context.setTitle('Captures');
   let isReading = false;
-  const shown = filters(context, [], () => void captures.restart());
+  let fits: Fits | null = null;
+  const shown = filters(context, [CHOICE], () => void captures.restart());
+  const selection = new MultiSelection(context, {
+    noun: 'capture',
+    question: (rows) => deleteQuestion(context, rows.map((row) => row.name)),
+    onChange: () => void captures.reload(),
+  });
   const captures = list<Capture>(context, {
     caption: 'Captures',
     hidesCaption: true,
+    noun: 'capture',
     columns: [
-      {
-        header: 'Name',
-        orderBy: 'name',
-        cell: (c) => h('a', { href: `#/captures/${idOf(c.name)}` }, name(c.display_name)),
-      },
-      { header: 'State', cell: stateOf },
+      { header: 'Name', orderBy: 'name', cell: (capture) => nameCell(context, selection, capture) },
+      { header: 'State', cell: stateBadge },
+      { header: 'Fits', isNumeric: true, cell: ({ name: own }) => fits?.count(own) ?? '' },
+      { header: 'Best error', isNumeric: true, cell: ({ name: own }) => millimetres(fits?.best(own)) },
       { header: 'Tags', cell: ({ tags }) => tagLinks('captures', tags) },
       { header: 'Size', isNumeric: true, cell: ({ size_bytes }) => size(size_bytes) },
       { header: 'Uploaded', orderBy: 'create_time', cell: ({ create_time }) => time(create_time) },
-      { header: 'Fit', cell: fitLink },
+      { header: 'Start', cell: fitLink },
     ],
     load: async (page) => {
-      const query = { ...page, ...shown.query() };
-      const { captures: rows, next_page_token } = await context.api.get('/v1/captures', {
-        query,
-        signal: context.signal,
-      });
-      isReading = rows.some(({ ingest }) => !hasEnded(ingest));
-      return { rows, next_page_token };
+      const { state, ...query } = shown.query();
+      const loaded = await loadPage(context, { ...page, ...query }, state);
+      isReading = loaded.rows.some(({ ingest }) => !hasEnded(ingest));
+      return loaded;
     },
     empty: () =>
       Object.keys(shown.query()).length > 0
-        ? empty('No capture has this text and tag.')
+        ? empty('No capture matches.')
         : empty(
             [
               'There are no captures yet. Drop a recording on this page, ',
@@ -56,23 +67,42 @@ export const open: OpenPage = (context) => {
           ),
   });
   void refresh(context, REFRESH_MS, async () => (isReading ? captures.reload() : undefined));
+  Fits.load(context).then(
+    (loaded) => {
+      fits = loaded;
+      return captures.reload();
+    },
+    // The list is complete without them.
+    () => undefined,
+  );
   const upload = h('div', { class: 'buttons' }, h('a', { class: 'button primary', href: '#/upload' }, 'Upload'));
-  return { element: h('div', {}, upload, shown.element, captures.element) };
+  return { element: h('div', {}, upload, shown.element, captures.element, selection.element) };
 };
 
-/** The verdict, or how far the reading of it is. */
-function stateOf(capture: Capture): Child {
-  const { ingest, verdict } = capture;
-  if (ingest.state === 'RUNNING') return [badge('reading', 'busy'), ` ${percent(ingest.progress?.fraction ?? 0)}`];
-  if (ingest.state === 'QUEUED') return badge('waits', 'neutral');
-  if (ingest.state === 'SUCCEEDED' && !hasPoints(capture)) return badge('masks made', 'warn');
-  if (verdict) return [badge(verdict), ingest.state === 'FAILED' && [' ', badge('not read', 'bad')]];
-  return badge(ingest.state);
+/** A page of captures; of those in one state the page finds them itself, for the API does not filter by it. */
+async function loadPage({ api, signal }: PageContext, query: PageQuery, state: string | undefined): Promise<ListPage<Capture>> {
+  if (state === undefined) {
+    const reply = await api.get('/v1/captures', { query, signal });
+    return { rows: reply.captures, next_page_token: reply.next_page_token, total_size: totalOf(reply) };
+  }
+  const rows: Capture[] = [];
+  let page_token = query.page_token;
+  do {
+    const reply = await api.get('/v1/captures', { query: { ...query, page_token, page_size: MANY }, signal });
+    rows.push(...reply.captures.filter((capture) => stateOf(capture) === state));
+    page_token = reply.next_page_token;
+  } while (page_token !== '' && rows.length < ENOUGH);
+  return { rows, next_page_token: page_token };
+}
+
+function nameCell({ api, signal }: PageContext, selection: MultiSelection, capture: Capture): HTMLElement {
+  const picture = hasEnded(capture.ingest) ? thumbnail(api, `/v1/${capture.name}/thumbnail`, '', signal) : placeholder();
+  const link = h('a', { href: `#/captures/${idOf(capture.name)}` }, name(capture.display_name));
+  return h('span', { class: 'capture-name' }, selection.box(capture), picture, link);
 }
 
 function fitLink(capture: Capture): Child {
-  if (capture.verdict === 'unusable' || capture.ingest.state === 'FAILED') return '';
-  if (capture.ingest.settings['until'] === 'masks') return '';
+  if (whyNoFit(capture) !== null) return '';
   const query = new URLSearchParams({ capture: idOf(capture.name) });
   return h('a', { href: `#/fits/new?${query}`, 'aria-label': `Fit ${capture.display_name}` }, 'Fit');
 }
