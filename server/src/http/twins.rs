@@ -6,12 +6,11 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use bendtwin_proto::{json::TensorFormat, v1::TwinMetadata};
-use serde::Deserialize;
 
 use super::{
     Result,
     download::download,
-    extract::{self, Id, Metadata, Params},
+    extract::{self, Id, Metadata, Params, TensorParams},
     message::document,
     rollouts::document::answer,
 };
@@ -33,15 +32,6 @@ pub(super) async fn create(
     let twin = convert::twin(app.create_twin(metadata, body).await?);
     let location = [(header::LOCATION, format!("/v1/{}", twin.name))];
     Ok((StatusCode::CREATED, location, document(&twin)).into_response())
-}
-
-/// Form of tensors.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TensorParams {
-    /// `lists` (nested lists of numbers, the default) or `base64`.
-    #[serde(default)]
-    tensors: TensorFormat,
 }
 
 /// The geometry of a twin
