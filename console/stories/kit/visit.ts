@@ -34,8 +34,8 @@ export interface VisitOptions extends BrowserContextOptions {
 /** A person's visit to the console of a server: a page, and what went wrong in it. */
 export class Visit {
   readonly faults: string[] = [];
-  /** Browsers note every refused request; not every resource has a thumbnail. */
-  private readonly allowed: RegExp[] = [/status of 404 .*\/thumbnail/];
+  /** Browsers note every refused request; not every resource has a thumbnail, and a preview goes with the end of a fit. */
+  private readonly allowed: RegExp[] = [/status of 404 .*\/thumbnail/, /status of 404 .*\/preview/];
 
   private constructor(
     readonly page: Page,
