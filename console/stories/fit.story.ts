@@ -2,6 +2,7 @@ import { readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { pictureOf, type Picture } from './kit/pixels';
 import { browser, server, withServer } from './kit/server';
 import { Visit } from './kit/visit';
 
@@ -53,11 +54,20 @@ describe('fits and twins', () => {
     await page.getByRole('button', { name: 'Start the fit' }).click();
     await visit.heading('two starts');
     await page.getByRole('heading', { name: 'Losses' }).waitFor();
-    await page.locator('.chart canvas').first().waitFor();
+    // What it has so far: the prediction over the recording, and millimetres.
+    await page.getByText(/^Now [\d.]+ mm \(\w+\), standing still [\d.]+ mm\./).waitFor();
+    await page.getByRole('button', { name: 'Pause' }).click();
+    const [recorded, predicted] = inColours(await pictureOf(page));
+    expect(recorded, 'recorded points').toBeGreaterThan(50);
+    expect(predicted, 'predicted points').toBeGreaterThan(50);
+    await page.getByRole('heading', { name: 'Error over training frames' }).waitFor();
     await visit.stop('fit-running');
     await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 600_000 });
     await page.getByText('On frames that it never saw').waitFor();
-    await expect.poll(() => page.locator('.chart').count()).toBe(2);
+    await page.getByText(/^[\d.]+ mm \(\w+\) on frames that it was not fitted to\./).waitFor();
+    await page.getByRole('img', { name: 'The twin' }).waitFor();
+    const ofLosses = page.locator('section', { has: page.getByRole('heading', { name: 'Losses' }) });
+    await expect.poll(() => ofLosses.locator('.chart').count()).toBe(2);
     await page
       .getByRole('cell', { name: 'bending 2/2' })
       .or(page.getByRole('rowheader', { name: 'bending 2/2' }))
@@ -97,18 +107,29 @@ describe('fits and twins', () => {
         }),
       ),
     );
-    const visit = await Visit.open(browser, server, { at: '/fits' });
-    await visit.page.getByRole('link', { name: 'waiting' }).waitFor();
-    for (const fit of [second, first]) {
-      await visit.go(`/${fit?.name ?? ''}`);
-      await visit.page.getByRole('button', { name: 'Cancel the fit' }).click();
-      await visit.page.locator('.job .badge').getByText('cancelled').waitFor();
-    }
-    await visit.page.getByRole('button', { name: 'Delete' }).click();
-    await visit.page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
+    const running = async (): Promise<boolean> =>
+      (await call<{ job: { state: string } }>(server, 'GET', `/v1/${first?.name ?? ''}`)).job.state === 'RUNNING';
+    await until(running);
+    const visit = await Visit.open(browser, server, { at: `/${second?.name ?? ''}` });
+    const { page } = visit;
+    await page.getByText('Waits its turn: the only one is busy.').waitFor();
+    await visit.stop('fit-queued');
+    await visit.go('/fits');
+    for (const name of ['long', 'waiting']) await page.getByRole('checkbox', { name: `Select ${name}` }).check();
+    await page.getByText('2 fits selected').waitFor();
+    await visit.stop('fits-selected');
+    await page.getByRole('button', { name: 'Cancel' }).click();
+    await expect.poll(() => page.getByRole('row').getByText('cancelled').count()).toBe(2);
+    await page.getByRole('checkbox', { name: 'Select waiting' }).uncheck();
+    await page.getByRole('button', { name: 'Delete' }).click();
+    await page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
+    await expect.poll(() => page.getByRole('link', { name: 'long' }).count()).toBe(0);
+    await page.getByRole('link', { name: 'waiting' }).click();
+    await visit.heading('waiting');
+    await page.getByRole('button', { name: 'Delete' }).click();
+    await page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
     await visit.heading('Fits');
-    await visit.page.getByRole('link', { name: 'waiting' }).waitFor();
-    expect(await visit.page.getByRole('link', { name: 'long' }).count()).toBe(0);
+    await page.getByText(/^\d+ fits?$/).waitFor();
     await visit.stop('fits');
     await visit.close();
   });
@@ -201,4 +222,15 @@ async function looked(visit: Visit): Promise<void> {
   await page.getByRole('dialog').getByText('twin = client.twin("twins/').waitFor();
   await visit.stop('twin-python');
   await page.getByRole('button', { name: 'Close' }).click();
+}
+
+/** Numbers of pixels in the blue of recorded points and in the green of predicted ones. */
+function inColours({ data }: Picture): [number, number] {
+  const counts: [number, number] = [0, 0];
+  for (let i = 0; i < data.length; i += 4) {
+    const [red, green, blue] = [data[i]!, data[i + 1]!, data[i + 2]!];
+    if (blue > green + 40 && blue > red + 60) counts[0] += 1;
+    if (green > red + 60 && green > blue + 20) counts[1] += 1;
+  }
+  return counts;
 }

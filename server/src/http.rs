@@ -6,8 +6,8 @@ mod console;
 mod docs;
 mod download;
 mod evaluations;
-mod events;
 mod extract;
+mod fits;
 mod gateway;
 mod guide;
 mod message;
@@ -115,8 +115,9 @@ pub(crate) fn by_hand() -> Routes {
         .on("PUT", "/v1/captures/{id}/supplements/{kind}", captures::add_supplement)
         .on("GET", "/v1/captures/{id}/supplements/{kind}", captures::supplement)
         .on("DELETE", "/v1/captures/{id}/supplements/{kind}", captures::delete_supplement)
-        .on("GET", "/v1/captures/{id}/events", events::watch_ingest)
-        .on("GET", "/v1/fits/{id}/events", events::watch)
+        .on("GET", "/v1/captures/{id}/events", fits::events::watch_ingest)
+        .on("GET", "/v1/fits/{id}/events", fits::events::watch)
+        .on("GET", "/v1/fits/{id}/preview", fits::preview)
         .on("POST", "/v1/twins", twins::create)
         .on("GET", "/v1/twins/{id}/content", twins::content)
         .on("GET", "/v1/twins/{id}/geometry", twins::geometry)

@@ -11,9 +11,9 @@ pub(crate) mod stop;
 
 use std::{path::Path, sync::Arc};
 
-use bendtwin_core::{Fault, ModelLoss, Progress};
+use bendtwin_core::{Fault, ModelLoss, Preview, Progress};
 use bendtwin_proto::{
-    v1,
+    v1::{self, Tensor},
     worker::v1::{
         FailJobRequest, JobWrite, Lease, ReportJobRequest, ReportJobResponse,
         fail_job_request::End, lease_job_request::Kind,
@@ -132,7 +132,7 @@ impl LeasedJob {
         artifact::fetch(&self.server, name, limit).await
     }
 
-    /// Renews the lease and stores progress and losses. Returns what the server asks of the job.
+    /// Renews the lease and stores progress, losses and preview. Returns what the server asks of the job.
     pub(crate) async fn report(&self, news: &News) -> Result<ReportJobResponse, CallError> {
         let request = ReportJobRequest {
             worker: self.worker.to_string(),
@@ -140,6 +140,7 @@ impl LeasedJob {
             epoch: self.lease.epoch,
             progress: news.progress.as_ref().map(wire_progress),
             losses: news.losses.iter().map(wire_loss).collect(),
+            preview: news.preview.as_deref().map(wire_preview),
         };
         self.server.report_job(request).await
     }
@@ -204,6 +205,7 @@ fn wire_progress(progress: &Progress) -> v1::Progress {
         eta_s: progress.eta_s,
         note: progress.note.clone().unwrap_or_default(),
         models: progress.models.iter().map(wire_loss).collect(),
+        error_m: progress.error_m,
     }
 }
 
@@ -214,5 +216,27 @@ fn wire_loss(loss: &ModelLoss) -> v1::ModelLoss {
         iteration: loss.iteration,
         loss: loss.loss,
         best_loss: loss.best_loss,
+        error_m: loss.error_m,
     }
 }
+
+fn wire_preview(preview: &Preview) -> v1::FitPreview {
+    let shape = [preview.frames.len(), preview.point_count()];
+    v1::FitPreview {
+        stage: preview.stage.as_str().to_owned(),
+        variant: preview.variant.clone(),
+        iteration: preview.iteration,
+        // The server's time counts.
+        create_time: None,
+        sequence: preview.sequence,
+        frames: Some(Tensor::pack(&shape[..1], &preview.frames)),
+        positions: Some(Tensor::pack_points_i16(&shape, &preview.positions)),
+        measure: preview.errors.measure.as_str().to_owned(),
+        error_m: preview.errors.error_m,
+        held_back_m: preview.errors.held_back_m,
+        baseline_m: preview.errors.baseline_m,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -250,6 +250,22 @@ class Fake(
         )
         return fit_pb2.FitLosses(curves=[curve])
 
+    def GetFitPreview(self, request, context):
+        self.previewed = request.name
+        codes = np.array([[[-2, 0, 2]], [[0, 0, 0]]], "<i2")
+        scaled = {"dtype": _WIRE.INT16_SCALED, "scale": 0.5, "offset": 1.0}
+        return fit_pb2.FitPreview(
+            stage="refine",
+            variant="bending",
+            iteration=3,
+            create_time={"seconds": 60},
+            frames=tensor(np.array([0, 9], np.uint32)),
+            positions=_WIRE(shape=codes.shape, data=codes.tobytes(), **scaled),
+            measure="track",
+            error_m=0.008,
+            baseline_m=0.041,
+        )
+
     def CreateFit(self, request, context):
         self.fit_request = request
         return self._fit(1, job_pb2.Job.QUEUED)

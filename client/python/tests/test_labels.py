@@ -40,6 +40,19 @@ def test_losses_are_arrays(client):
     assert (curve.stage, curve.variant) == ("refine", "bending")
     assert curve.iterations.tolist() == [1, 2]
     np.testing.assert_array_equal(curve.losses, [np.nan, 0.5])
+    # A server of an earlier version has no errors.
+    np.testing.assert_array_equal(curve.errors_m, [np.nan, np.nan])
+
+
+def test_what_a_running_fit_has_is_an_array(client, fake):
+    preview = client.fit_preview(client.get_fit(FIT))
+    assert fake.previewed == FIT
+    assert (preview.stage, preview.iteration, preview.sequence) == ("refine", 3, 0)
+    assert preview.frames.tolist() == [0, 9]
+    np.testing.assert_array_equal(preview.positions, [[[0, 1, 2]], [[1, 1, 1]]])
+    assert (preview.measure, preview.error_m, preview.baseline_m) == ("track", 0.008, 0.041)
+    assert preview.held_back_m is None
+    assert preview.create_time.timestamp() == 60
 
 
 def test_the_client_of_asyncio_makes_the_same_calls(fake):

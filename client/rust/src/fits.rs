@@ -1,14 +1,16 @@
 //! Fit jobs.
 
 mod losses;
+mod preview;
 
 use bendtwin_core::{
     FitSettings,
     ids::{CaptureId, FitId},
 };
 use bendtwin_proto::v1::{
-    CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitLossesRequest, GetFitRequest,
-    ListFitsRequest, UpdateFitRequest, WatchFitRequest, fit_service_client::FitServiceClient,
+    CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitLossesRequest,
+    GetFitPreviewRequest, GetFitRequest, ListFitsRequest, UpdateFitRequest, WatchFitRequest,
+    fit_service_client::FitServiceClient,
 };
 use uuid::Uuid;
 
@@ -22,6 +24,7 @@ use crate::{
 };
 
 pub use losses::LossCurve;
+pub use preview::FitPreview;
 
 /// Properties of a new fit beside its settings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -135,6 +138,15 @@ impl Fits {
         let request = GetFitLossesRequest { name: name.to_string() };
         let losses = self.service.clone().get_fit_losses(request).await?.into_inner();
         losses.curves.into_iter().map(LossCurve::try_from).collect()
+    }
+
+    /// What a running fit has so far.
+    ///
+    /// # Errors
+    /// If there is no preview yet or any more, or the server cannot be asked.
+    pub async fn preview(&self, name: FitId) -> Result<FitPreview, Error> {
+        let request = GetFitPreviewRequest { name: name.to_string() };
+        self.service.clone().get_fit_preview(request).await?.into_inner().try_into()
     }
 
     /// Changes name, note and tags.

@@ -101,7 +101,7 @@ pub use self::{
     client::{CA_VARIABLE, Client, Readiness, ReadinessCheck},
     error::Error,
     evaluations::Evaluations,
-    fits::{FitOrder, Fits, LossCurve},
+    fits::{FitOrder, FitPreview, Fits, LossCurve},
     keys::projects::{Project, ProjectChange, Projects},
     keys::sign_ins::{Caller, DeviceCode, SignIns},
     keys::{Key, Keys, MadeKey, NewKey},

@@ -5,6 +5,7 @@ pub(crate) mod value;
 use bendtwin_core::{
     Fault, Quality,
     ids::{CaptureId, FitId, TwinId, WorkerId},
+    quality::Measure,
 };
 use bendtwin_proto::v1;
 use jiff::Timestamp;
@@ -122,6 +123,8 @@ pub struct Fit {
     pub owner: String,
     /// Error of its twin, as there [m].
     pub error_m: Option<f64>,
+    /// Kind of that error, if it is known.
+    pub measure: Option<Measure>,
     /// Worker that it asks for.
     pub requirements: Requirements,
 }

@@ -96,6 +96,7 @@ fn models(before: Vec<ModelLoss>, progress: &JobProgress) -> Vec<ModelLoss> {
             iteration: progress.iteration,
             loss: progress.loss,
             best_loss: progress.best_loss,
+            error_m: None,
         });
     }
     // A start that was not chosen makes no more passes.
@@ -144,6 +145,7 @@ fn details(progress: &JobProgress, models: &[ModelLoss]) -> String {
             }));
         }
     }
+    parts.extend(progress.error_m.map(|error_m| format!("off by {:.1} mm", 1e3 * error_m)));
     if let Some(eta) = progress.eta_s {
         parts.push(format!("{} left", output::duration(eta)));
     }
@@ -176,6 +178,8 @@ mod tests {
         progress.best_loss = Some(0.00123);
         progress.eta_s = Some(61.0);
         assert_eq!(details(&progress, &[]), "3/20  loss 1.230e-3  1 min 01 s left");
+        progress.error_m = Some(0.00834);
+        assert_eq!(details(&progress, &[]), "3/20  loss 1.230e-3  off by 8.3 mm  1 min 01 s left");
         progress.stage = "search".into();
         progress.variant = "axial".into();
         assert_eq!(stage(&progress, &[]), "search axial");

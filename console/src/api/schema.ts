@@ -463,6 +463,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/fits/{id}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get fit preview
+         * @description What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason PREVIEW_MISSING where there is none.
+         */
+        get: operations["GetFitPreview"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/fits/{id}/undelete": {
         parameters: {
             query?: never;
@@ -1878,6 +1898,8 @@ export interface components {
              */
             error_m: number | null;
             job: components["schemas"]["Job"];
+            /** @description Kind of `error_m`: `track`, `coordinate` or `chamfer`; empty if unknown. */
+            measure: string | null;
             /** @description fits/{uuid} */
             name: string;
             /** @description Note written by users, up to 10,000 bytes. */
@@ -1901,11 +1923,53 @@ export interface components {
         "FitLosses.LossCurve": {
             /** @description Lowest loss up to each iteration. */
             best_losses: (number | null)[];
+            /** @description Error over the training frames with the best parameters up to each iteration, metres, as in FitPreview; NaN for iterations without a preview. Empty: no iteration has one. */
+            errors_m: (number | null)[];
             /** @description Iterations, ascending from 1. */
             iterations: number[];
             /** @description Loss of each iteration; NaN where it was not finite. */
             losses: (number | null)[];
             /** @description Stage: search or refine. */
+            stage: string;
+            /** @description Model: bending or axial, with several starts followed by the start: `bending 2/3`. */
+            variant: string;
+        };
+        /** @description Predicted motion of the best parameters of a running fit: P points of the object's surface in F frames of one sequence; up to 400 points and 24 frames. */
+        FitPreview: {
+            /**
+             * Format: double
+             * @description Error of the object standing still, over the frames of `error_m`, metres.
+             */
+            baseline_m: number;
+            /** Format: date-time */
+            create_time: string;
+            /**
+             * Format: double
+             * @description Error over the frames that the parameters are fitted to, metres.
+             */
+            error_m: number;
+            /** @description Numbers of the frames, ascending, UINT32 [F]. */
+            frames?: components["schemas"]["Tensor"];
+            /**
+             * Format: double
+             * @description Error over training frames that are held back to choose among starts, metres; absent: none are.
+             */
+            held_back_m?: number;
+            /**
+             * Format: int64
+             * @description Iterations of the stage that were done.
+             */
+            iteration: number;
+            /** @description Kind of the errors, the one that the twin will be judged by: `track`, `coordinate` or `chamfer`. */
+            measure: string;
+            /** @description INT16_SCALED [F, P, 3], metres. */
+            positions?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Index of the sequence among those of the capture.
+             */
+            sequence: number;
+            /** @description Stage that found the parameters: search or refine. */
             stage: string;
             /** @description Model: bending or axial, with several starts followed by the start: `bending 2/3`. */
             variant: string;
@@ -2216,6 +2280,11 @@ export interface components {
         ModelLoss: {
             /** Format: double */
             best_loss: number | null;
+            /**
+             * Format: double
+             * @description Error over the training frames with the best parameters, metres; absent of an iteration without a preview.
+             */
+            error_m: number | null;
             /** Format: int64 */
             iteration: number;
             /**
@@ -2579,6 +2648,11 @@ export interface components {
         Progress: {
             /** Format: double */
             best_loss: number | null;
+            /**
+             * Format: double
+             * @description Error over the training frames of the newest preview of a fit, metres (GetFitPreview).
+             */
+            error_m: number | null;
             /** Format: double */
             eta_s: number | null;
             /**
@@ -4666,6 +4740,41 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["FitLosses"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    GetFitPreview: {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FitPreview"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */

@@ -9,6 +9,7 @@ export type Job = Schemas['Job'];
 export type Capture = Schemas['Capture'];
 export type Supplement = Schemas['Supplement'];
 export type Fit = Schemas['Fit'];
+export type FitPreview = Schemas['FitPreview'];
 export type Twin = Schemas['Twin'];
 export type TrashedResource = Schemas['TrashedResource'];
 export type Worker = Schemas['Worker'];

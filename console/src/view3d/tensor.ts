@@ -3,12 +3,15 @@ import type { Tensor } from '../api/types';
 /** A tensor as raw bytes, as replies with `?tensors=base64` have it: little-endian, row-major. */
 export type PackedTensor = Exclude<Tensor, unknown[]>;
 
-/** Bytes of a number of each type that is read. */
-const SIZES: Partial<Record<PackedTensor['dtype'], number>> = { FLOAT32: 4, UINT32: 4, UINT8: 1 };
+/** Bytes of a number. */
+const SIZES = { FLOAT32: 4, FLOAT64: 8, UINT32: 4, INT32: 4, UINT8: 1, INT16_SCALED: 2 } as const;
 
-/** Values of a FLOAT32 tensor; none if it was left out. Throws if it is something else. */
+/** Values of a tensor of numbers, FLOAT32 or INT16_SCALED; none if it was left out. Throws if it is something else. */
 export function floats(tensor: Tensor | undefined, name: string): Float32Array {
-  return tensor === undefined ? new Float32Array(0) : new Float32Array(bytesOf(tensor, 'FLOAT32', name));
+  if (tensor === undefined) return new Float32Array(0);
+  if (Array.isArray(tensor) || tensor.dtype !== 'INT16_SCALED') return new Float32Array(bytesOf(tensor, 'FLOAT32', name));
+  const { scale = 1, offset = 0 } = tensor;
+  return Float32Array.from(new Int16Array(bytesOf(tensor, 'INT16_SCALED', name)), (code) => code * scale + offset);
 }
 
 /** Values of a UINT32 tensor; none if it was left out. Throws if it is something else. */
@@ -55,7 +58,7 @@ function bytesOf(tensor: Tensor, dtype: PackedTensor['dtype'], name: string): Ar
   if (tensor.dtype !== dtype) throw new Error(`${name} is ${tensor.dtype}, not ${dtype}`);
   const found = bytesOfBase64(tensor.data);
   const count = tensor.shape.reduce((product, length) => product * length, 1);
-  if (found.length !== count * (SIZES[dtype] ?? 0)) {
+  if (found.length !== count * SIZES[dtype]) {
     throw new Error(`${name} has ${found.length} bytes, which its shape [${tensor.shape.join(', ')}] does not say`);
   }
   return found.buffer;

@@ -34,7 +34,7 @@ pub use finding::{Finding, Severity};
 pub use graph::{Graph, NodeKind, Pin};
 pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};
-pub use progress::{ModelLoss, Progress, Stage};
+pub use progress::{ModelLoss, Preview, PreviewErrors, Progress, Stage};
 pub use sets::DisjointSets;
 pub use settings::FitSettings;
 pub use twin::{

@@ -16,6 +16,12 @@ pub trait Observer<P> {
     fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
         Ok(())
     }
+
+    /// True if progress is to come with previews, where the work can make some; they take a few per
+    /// cent of its time.
+    fn wants_previews(&self) -> bool {
+        false
+    }
 }
 
 /// No-op observer.

@@ -1,6 +1,12 @@
 //! Progress of a fit.
 
+mod preview;
+
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
+
+pub use preview::{Preview, PreviewErrors};
 
 /// The stages of a fit job, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -51,6 +57,10 @@ pub struct ModelLoss {
     pub loss: Option<f64>,
     /// Lowest loss up to it.
     pub best_loss: Option<f64>,
+    /// Error over the training frames with the best parameters up to it [m], as [`PreviewErrors`] has
+    /// it; none of an iteration without a preview.
+    #[serde(default)]
+    pub error_m: Option<f64>,
 }
 
 /// A progress report of a running fit.
@@ -77,6 +87,12 @@ pub struct Progress {
     /// The last loss of each model that is fitted side by side with others.
     #[serde(default)]
     pub models: Vec<ModelLoss>,
+    /// Error over the training frames of the newest preview [m].
+    #[serde(default)]
+    pub error_m: Option<f64>,
+    /// The preview that was made in this iteration, if one was. It goes its own way, not into documents.
+    #[serde(skip)]
+    pub preview: Option<Arc<Preview>>,
 }
 
 impl Progress {
@@ -89,6 +105,7 @@ impl Progress {
             iteration: self.iteration,
             loss: self.loss,
             best_loss: self.best_loss,
+            error_m: self.preview.as_ref().map(|preview| preview.errors.error_m),
         })
     }
 }

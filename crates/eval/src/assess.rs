@@ -67,14 +67,14 @@ pub fn assess(quality: &Quality, scale: Scale) -> Assessment {
     let Some((own, (measure, error_m))) = measured else { return unknown(quality) };
     let beside = |p: Predictor| {
         let score = quality.score(p).filter(|_| p != own.predictor)?;
-        measure(&score.future).filter(|m| *m > 0.0)
+        measure.of(&score.future).filter(|m| *m > 0.0)
     };
     let comparisons: Vec<Comparison> = [
         beside(Predictor::StandingStill).map(|m| beside_standing_still(error_m, m)),
         (scale.size_m > 0.0).then(|| of_size(error_m, scale)),
         (scale.spacing_m > 0.0).then(|| of_spacing(error_m, scale.spacing_m)),
         beside(Predictor::LastResidual).map(|m| beside_last_residual(error_m, m)),
-        measure(&own.train).map(|m| of_training(error_m, m, scale)),
+        measure.of(&own.train).map(|m| of_training(error_m, m, scale)),
     ]
     .into_iter()
     .flatten()

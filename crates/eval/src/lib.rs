@@ -18,6 +18,7 @@ mod scene;
 mod spread;
 mod surface;
 mod table;
+mod training;
 mod trajectory;
 
 pub use assess::{Scale, assess, differ};
@@ -28,4 +29,5 @@ pub use fidelity::fast_variant;
 pub use motion::Motion;
 pub use placement::{Grip, Placement, in_recording, is_own_capture};
 pub use table::{TableStyle, format_table, predictor_name};
+pub use training::{TrainingErrors, stand_still, training_errors};
 pub use trajectory::{Trajectory, check_capture, initial_state, instance, predict, slice_len};

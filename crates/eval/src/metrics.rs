@@ -72,6 +72,18 @@ impl<'a> Reference<'a> {
         let seen = |p: &usize| visible[*p] && is_finite(&points[*p]);
         let observed: Vec<Point> = (0..points.len()).filter(seen).map(|p| points[p]).collect();
         let distances = chamfer(&observed, &predicted[..self.surface_count]);
+        ErrorSummary {
+            chamfer_l1_m: distances.map(|d| d.l1_m),
+            chamfer_l2_m: distances.map(|d| d.l2_m),
+            ..self.measure_pairs(frame, predicted)
+        }
+    }
+
+    /// The errors of [`Reference::measure`] between points that are known to be the same, without the
+    /// search for nearest points.
+    pub(crate) fn measure_pairs(&self, frame: usize, predicted: &[Point]) -> ErrorSummary {
+        let (points, visible) = (self.sequence.points_at(frame), self.sequence.visible_at(frame));
+        let seen = |p: &usize| visible[*p] && is_finite(&points[*p]);
         let truth = self.sequence.truth_at(frame);
         let pairs = self.tracks.iter().filter(|(_, k)| is_finite(&truth[*k]));
         let mut track_m = mean(pairs.map(|&(n, k)| euclidean(predicted[n], truth[k])));
@@ -94,13 +106,7 @@ impl<'a> Reference<'a> {
                 track_m = mean(own().map(|&(n, p)| euclidean(predicted[n], points[p])));
             }
         }
-        ErrorSummary {
-            chamfer_l1_m: distances.map(|d| d.l1_m),
-            chamfer_l2_m: distances.map(|d| d.l2_m),
-            track_m,
-            coordinate_m,
-            padded_rms_m,
-        }
+        ErrorSummary { track_m, coordinate_m, padded_rms_m, ..ErrorSummary::default() }
     }
 }
 

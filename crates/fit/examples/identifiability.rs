@@ -118,7 +118,7 @@ fn compare(
     let to_all_groups: Vec<f64> = (0..left.len())
         .map(|g| (of_all[g] - coordinates[0][g]).abs() / report.groups[g].prior_sd)
         .collect();
-    let of = |fit: &Fitted| fit.twin.quality.error_m().unwrap_or(f64::NAN);
+    let of = |fit: &Fitted| fit.twin.quality.headline().map_or(f64::NAN, |(_, error_m)| error_m);
     let error_m = fits.iter().map(of).sum::<f64>() / fits.len() as f64;
     let expected_m = report.expected_error_m.unwrap_or(f64::NAN);
     let shares = report.motions.first().map_or(&[][..], |m| &m.shares);

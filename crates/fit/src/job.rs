@@ -10,6 +10,7 @@ mod look;
 mod members;
 pub(crate) mod model_fit;
 mod planner;
+mod preview;
 mod refine;
 mod search;
 mod surface;
@@ -28,6 +29,7 @@ use bendtwin_engine::{Backend, backend};
 use self::{
     checkpoint::{Checkpoint, ChosenStart, Identity},
     model_fit::ModelFit,
+    preview::Previews,
     time_limit::TimeLimit,
     validation::Validation,
 };
@@ -154,6 +156,7 @@ struct Run<'a> {
     limit: Option<TimeLimit>,
     /// Checkpoints of the trainings of Gaussians, one for each twin whose training was begun.
     trainings: Vec<Vec<u8>>,
+    previews: Previews,
     estimator: ProgressEstimator,
     observer: &'a mut dyn Observer<Progress>,
     cancel: &'a CancelToken,
@@ -205,6 +208,7 @@ impl<'a> Run<'a> {
             generations: task.generations(),
             limit,
             trainings: Vec::new(),
+            previews: Previews::new(observer.wants_previews()),
             estimator,
             observer,
             cancel,

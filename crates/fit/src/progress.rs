@@ -1,8 +1,8 @@
 //! Progress of a fit in units of simulated frames, and the estimated time to its end.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
-use bendtwin_core::{Progress, Stage};
+use bendtwin_core::{Preview, Progress, Stage};
 
 use crate::task::Task;
 
@@ -23,6 +23,8 @@ pub(crate) struct ProgressEstimator {
     steps: u32,
     /// Time and fraction done at this process's first report.
     origin: Option<(Instant, f64)>,
+    /// Error of the newest preview [m].
+    error_m: Option<f64>,
 }
 
 /// Progress of one model.
@@ -34,13 +36,15 @@ pub(crate) struct ModelProgress {
     pub(crate) loss: Option<f64>,
     pub(crate) best_loss: Option<f64>,
     pub(crate) note: Option<String>,
+    /// The preview that was made of it in this iteration.
+    pub(crate) preview: Option<Arc<Preview>>,
 }
 
 impl ModelProgress {
-    /// Progress without losses and note.
+    /// Progress without losses, note and preview.
     pub(crate) fn new(model: &str, stage: Stage, iteration: u32) -> Self {
-        let (loss, best_loss, note) = (None, None, None);
-        Self { model: model.to_owned(), stage, iteration, loss, best_loss, note }
+        let (loss, best_loss, note, preview) = (None, None, None, None);
+        Self { model: model.to_owned(), stage, iteration, loss, best_loss, note, preview }
     }
 }
 
@@ -54,6 +58,7 @@ impl ProgressEstimator {
             passes: task.passes(),
             steps: 0,
             origin: None,
+            error_m: None,
         }
     }
 
@@ -105,6 +110,9 @@ impl ProgressEstimator {
         let gained = fraction - from;
         let eta_s = (gained > 1e-3)
             .then(|| began.elapsed().as_secs_f64() / gained * (1.0 - fraction).max(0.0));
+        if let Some(preview) = &report.preview {
+            self.error_m = Some(preview.errors.error_m);
+        }
         Progress {
             stage: report.stage,
             variant: report.model,
@@ -121,6 +129,8 @@ impl ProgressEstimator {
             eta_s,
             note: report.note,
             models: Vec::new(),
+            error_m: self.error_m,
+            preview: report.preview,
         }
     }
 }

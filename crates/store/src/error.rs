@@ -36,6 +36,11 @@ pub enum Error {
     #[problem(NotFound, "PLAYBACK_MISSING")]
     PlaybackMissing { name: String },
     #[error(
+        "{name} has no preview: one is made while a fit searches and refines, and goes once it has a twin"
+    )]
+    #[problem(NotFound, "PREVIEW_MISSING")]
+    PreviewMissing { name: String },
+    #[error(
         "{name} has no masks of strokes: mark the object and run the ingest with the strokes \
          (docs/use/cameras.md#masks)"
     )]

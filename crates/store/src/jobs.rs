@@ -1,6 +1,6 @@
 //! Jobs: the queue. Its design is in the crate's documentation. Here are the types and the
 //! operations of users on either kind; `fits.rs` and `ingests.rs` have those of one kind,
-//! `claim.rs` the choice of the next job, `turns.rs` when a running one makes way, `requirements.rs` what a job asks of its worker, `lease.rs` the operations of workers, `losses.rs` the losses of fits, `lease_time.rs` the time by which leases end, `end.rs` the ends of
+//! `claim.rs` the choice of the next job, `turns.rs` when a running one makes way, `requirements.rs` what a job asks of its worker, `lease.rs` the operations of workers, `losses.rs` the losses of fits, `previews.rs` what a running one has so far, `lease_time.rs` the time by which leases end, `end.rs` the ends of
 //! attempts, `id.rs` the names and `row.rs` the row.
 
 mod claim;
@@ -11,6 +11,7 @@ mod ingests;
 mod lease;
 mod lease_time;
 mod losses;
+mod previews;
 mod requirements;
 mod row;
 mod suspend;
@@ -21,6 +22,7 @@ use std::time::Duration;
 use bendtwin_core::{
     Fault, Progress,
     ids::{CaptureId, FitId, TwinId, WorkerId},
+    quality::Measure,
 };
 use jiff::Timestamp;
 use tokio::sync::broadcast;
@@ -45,6 +47,7 @@ pub(crate) use ingests::{JobOrigin, admit_ingest, dequeue, enqueue, require_idle
 pub use lease::{JobReport, JobTimes, Lease, Reported};
 pub use lease_time::LeaseTerms;
 pub(crate) use lease_time::LeaseTimes;
+pub use previews::StoredPreview;
 #[cfg(test)]
 pub(crate) use requirements::DIFFERENT as DIFFERENT_REQUIREMENTS;
 pub use requirements::{Capabilities, Requirements};
@@ -113,6 +116,8 @@ pub struct Job {
     pub labels: Labels,
     /// Error of the twin that it made, if there is one [m].
     pub error_m: Option<f64>,
+    /// Kind of that error, if it is known.
+    pub measure: Option<Measure>,
     /// Owner of the key with which it was asked for; empty if that is not known.
     pub owner: String,
     /// Worker that it asks for.
@@ -229,6 +234,7 @@ impl Jobs<'_> {
         for statement in ["delete from jobs where id = $1", "delete from losses where fit = $1"] {
             query(statement).bind(&key).execute(&mut tx).await?;
         }
+        previews::forget(&mut tx, &key).await?;
         labels::forget(&mut tx, Collection::Fits, &key).await?;
         let request_id = row.request_id.as_deref();
         let request = request_id.map(|stored| RequestId::of_row(stored, &row.owner));

@@ -1,7 +1,7 @@
 //! Labels that people give to captures, fits and twins: a name, a note and tags. Tags are in
 //! each row, to be shown, and in the table `tags`, to be searched by.
 
-use bendtwin_core::Quality;
+use bendtwin_core::{Quality, quality::Measure};
 use sqlx::AssertSqlSafe;
 
 use crate::{
@@ -224,7 +224,12 @@ const NO_ERROR: f64 = 1e300;
 
 /// The error of a quality table as rows have it.
 pub(crate) fn error_key(quality_json: &str) -> f64 {
-    key_of(read(quality_json).and_then(|q| q.error_m()))
+    key_of(headline(quality_json).map(|(_, error_m)| error_m))
+}
+
+/// The error of a quality table with its kind [m].
+pub(crate) fn headline(quality_json: &str) -> Option<(Measure, f64)> {
+    read(quality_json)?.headline()
 }
 
 /// The level of trust of a quality table as rows have it; empty without an assessment.

@@ -54,7 +54,8 @@
 //! The table `losses` has a row for each stage, model and iteration, written with the reports of
 //! its worker, up to 4096 for a fit: then every second iteration is forgotten. Losses of an
 //! attempt replace those that an earlier one computed from there on, so the rows describe the path
-//! to the twin, from any checkpoint. They stay until the fit is deleted.
+//! to the twin, from any checkpoint. They stay until the fit is deleted. The table `previews` has the
+//! newest preview of a fit until it has a twin.
 //!
 //! # Content before rows
 //! A blob is written under `incoming/`, synced, and renamed (or sent) to the name that its
@@ -148,7 +149,8 @@ pub use folder::disk::Disk;
 pub use jobs::{
     AttemptEnd, Capabilities, Claimant, IngestOutcome, IngestResult, Job, JobId, JobReport,
     JobTimes, Jobs, Kind, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
-    NewFit, NewIngest, NewReport, QueueDepth, Reported, Requirements, State, Turns, WorkerEnd,
+    NewFit, NewIngest, NewReport, QueueDepth, Reported, Requirements, State, StoredPreview, Turns,
+    WorkerEnd,
 };
 pub use keys::usage::{OwnerUsage, StoredBytes, Usage};
 pub use keys::{

@@ -637,6 +637,9 @@ pub struct Progress {
     /// The latest loss of each model, when several are fitted side by side.
     #[prost(message, repeated, tag = "10")]
     pub models: ::prost::alloc::vec::Vec<ModelLoss>,
+    /// Error over the training frames of the newest preview of a fit, metres (GetFitPreview).
+    #[prost(double, optional, tag = "11")]
+    pub error_m: ::core::option::Option<f64>,
 }
 /// Loss of one model after one iteration.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -654,6 +657,9 @@ pub struct ModelLoss {
     pub loss: ::core::option::Option<f64>,
     #[prost(double, optional, tag = "5")]
     pub best_loss: ::core::option::Option<f64>,
+    /// Error over the training frames with the best parameters, metres; absent of an iteration without a preview.
+    #[prost(double, optional, tag = "6")]
+    pub error_m: ::core::option::Option<f64>,
 }
 /// Requirements on the worker of a fit or an ingest. The job waits until such a worker is free.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -2398,6 +2404,9 @@ pub struct Fit {
     /// Worker that the fit requires; absent: any.
     #[prost(message, optional, tag = "11")]
     pub requirements: ::core::option::Option<WorkerRequirements>,
+    /// Kind of `error_m`: `track`, `coordinate` or `chamfer`; empty if unknown.
+    #[prost(string, tag = "12")]
+    pub measure: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateFitRequest {
@@ -2506,7 +2515,53 @@ pub mod fit_losses {
         /// Lowest loss up to each iteration.
         #[prost(double, repeated, packed = "false", tag = "5")]
         pub best_losses: ::prost::alloc::vec::Vec<f64>,
+        /// Error over the training frames with the best parameters up to each iteration, metres, as in FitPreview;
+        /// NaN for iterations without a preview. Empty: no iteration has one.
+        #[prost(double, repeated, packed = "false", tag = "6")]
+        pub errors_m: ::prost::alloc::vec::Vec<f64>,
     }
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetFitPreviewRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+/// Predicted motion of the best parameters of a running fit: P points of the object's surface in F frames of one
+/// sequence; up to 400 points and 24 frames.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct FitPreview {
+    /// Stage that found the parameters: search or refine.
+    #[prost(string, tag = "1")]
+    pub stage: ::prost::alloc::string::String,
+    /// Model: bending or axial, with several starts followed by the start: `bending 2/3`.
+    #[prost(string, tag = "2")]
+    pub variant: ::prost::alloc::string::String,
+    /// Iterations of the stage that were done.
+    #[prost(uint32, tag = "3")]
+    pub iteration: u32,
+    #[prost(message, optional, tag = "4")]
+    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// Index of the sequence among those of the capture.
+    #[prost(uint32, tag = "5")]
+    pub sequence: u32,
+    /// Numbers of the frames, ascending, UINT32 \[F\].
+    #[prost(message, optional, tag = "6")]
+    pub frames: ::core::option::Option<Tensor>,
+    /// INT16_SCALED \[F, P, 3\], metres.
+    #[prost(message, optional, tag = "7")]
+    pub positions: ::core::option::Option<Tensor>,
+    /// Kind of the errors, the one that the twin will be judged by: `track`, `coordinate` or `chamfer`.
+    #[prost(string, tag = "8")]
+    pub measure: ::prost::alloc::string::String,
+    /// Error over the frames that the parameters are fitted to, metres.
+    #[prost(double, tag = "9")]
+    pub error_m: f64,
+    /// Error over training frames that are held back to choose among starts, metres; absent: none are.
+    #[prost(double, optional, tag = "10")]
+    pub held_back_m: ::core::option::Option<f64>,
+    /// Error of the object standing still, over the frames of `error_m`, metres.
+    #[prost(double, tag = "11")]
+    pub baseline_m: f64,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CancelFitRequest {
@@ -2734,6 +2789,30 @@ pub mod fit_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.FitService", "GetFitLosses"));
             self.inner.unary(req, path, codec).await
         }
+        /// What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few
+        /// iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason
+        /// PREVIEW_MISSING where there is none.
+        pub async fn get_fit_preview(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetFitPreviewRequest>,
+        ) -> std::result::Result<tonic::Response<super::FitPreview>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.FitService/GetFitPreview",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.FitService", "GetFitPreview"));
+            self.inner.unary(req, path, codec).await
+        }
         /// Asks a queued or running fit to stop; a fit that has ended is returned unchanged.
         pub async fn cancel_fit(
             &mut self,
@@ -2849,6 +2928,13 @@ pub mod fit_service_server {
             &self,
             request: tonic::Request<super::GetFitLossesRequest>,
         ) -> std::result::Result<tonic::Response<super::FitLosses>, tonic::Status>;
+        /// What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few
+        /// iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason
+        /// PREVIEW_MISSING where there is none.
+        async fn get_fit_preview(
+            &self,
+            request: tonic::Request<super::GetFitPreviewRequest>,
+        ) -> std::result::Result<tonic::Response<super::FitPreview>, tonic::Status>;
         /// Asks a queued or running fit to stop; a fit that has ended is returned unchanged.
         async fn cancel_fit(
             &self,
@@ -3161,6 +3247,51 @@ pub mod fit_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = GetFitLossesSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.FitService/GetFitPreview" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetFitPreviewSvc<T: FitService>(pub Arc<T>);
+                    impl<
+                        T: FitService,
+                    > tonic::server::UnaryService<super::GetFitPreviewRequest>
+                    for GetFitPreviewSvc<T> {
+                        type Response = super::FitPreview;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetFitPreviewRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as FitService>::get_fit_preview(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetFitPreviewSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

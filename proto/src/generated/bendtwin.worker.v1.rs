@@ -317,6 +317,9 @@ pub struct ReportJobRequest {
     /// Losses since the last report, at most 1024; sending some twice is safe.
     #[prost(message, repeated, tag = "5")]
     pub losses: ::prost::alloc::vec::Vec<super::super::v1::ModelLoss>,
+    /// What a fit has so far, if that is newer than in the last report; up to 64 KiB, without `create_time`.
+    #[prost(message, optional, tag = "6")]
+    pub preview: ::core::option::Option<super::super::v1::FitPreview>,
 }
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct ReportJobResponse {

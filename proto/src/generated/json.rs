@@ -435,7 +435,7 @@ word_written!(crate::v1::job::State);
 
 impl Fields for crate::v1::Progress {
     const NAME: &'static str = "Progress";
-    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "iterations", "fraction", "loss", "best_loss", "eta_s", "note", "models"];
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "iterations", "fraction", "loss", "best_loss", "eta_s", "note", "models", "error_m"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -450,6 +450,7 @@ impl Fields for crate::v1::Progress {
 7 => { self.eta_s = map.next_value()?; }
 8 => { self.note = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 9 => { self.models = messages(map)?; }
+10 => { self.error_m = map.next_value()?; }
 
             _ => {}
         }
@@ -467,6 +468,7 @@ map.serialize_entry("best_loss", &self.best_loss)?;
 map.serialize_entry("eta_s", &self.eta_s)?;
 map.serialize_entry("note", &filled(&self.note))?;
 write_messages(map, "models", &self.models, tensors)?;
+map.serialize_entry("error_m", &self.error_m)?;
 
         Ok(())
     }
@@ -475,7 +477,7 @@ written!(crate::v1::Progress);
 
 impl Fields for crate::v1::ModelLoss {
     const NAME: &'static str = "ModelLoss";
-    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "loss", "best_loss"];
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "loss", "best_loss", "error_m"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -485,6 +487,7 @@ impl Fields for crate::v1::ModelLoss {
 2 => { self.iteration = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 3 => { self.loss = map.next_value()?; }
 4 => { self.best_loss = map.next_value()?; }
+5 => { self.error_m = map.next_value()?; }
 
             _ => {}
         }
@@ -497,6 +500,7 @@ map.serialize_entry("variant", &self.variant)?;
 map.serialize_entry("iteration", &self.iteration)?;
 map.serialize_entry("loss", &self.loss)?;
 map.serialize_entry("best_loss", &self.best_loss)?;
+map.serialize_entry("error_m", &self.error_m)?;
 
         Ok(())
     }
@@ -855,7 +859,7 @@ written!(crate::v1::WatchIngestRequest);
 
 impl Fields for crate::v1::Fit {
     const NAME: &'static str = "Fit";
-    const FIELDS: &'static [&'static str] = &["name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner", "requirements"];
+    const FIELDS: &'static [&'static str] = &["name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner", "requirements", "measure"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -871,6 +875,7 @@ impl Fields for crate::v1::Fit {
 8 => { self.error_m = map.next_value()?; }
 9 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 10 => { self.requirements = message(map)?; }
+11 => { self.measure = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -889,6 +894,7 @@ map.serialize_entry("tags", &self.tags)?;
 map.serialize_entry("error_m", &self.error_m)?;
 map.serialize_entry("owner", &self.owner)?;
 write_message(map, "requirements", Some(self.requirements.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("measure", &filled(&self.measure))?;
 
         Ok(())
     }
@@ -1081,7 +1087,7 @@ written!(crate::v1::FitLosses);
 
 impl Fields for crate::v1::fit_losses::LossCurve {
     const NAME: &'static str = "LossCurve";
-    const FIELDS: &'static [&'static str] = &["stage", "variant", "iterations", "losses", "best_losses"];
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iterations", "losses", "best_losses", "errors_m"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -1091,6 +1097,7 @@ impl Fields for crate::v1::fit_losses::LossCurve {
 2 => { self.iterations = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 3 => { self.losses = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 4 => { self.best_losses = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.errors_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -1103,11 +1110,74 @@ map.serialize_entry("variant", &self.variant)?;
 map.serialize_entry("iterations", &self.iterations)?;
 map.serialize_entry("losses", &self.losses)?;
 map.serialize_entry("best_losses", &self.best_losses)?;
+map.serialize_entry("errors_m", &self.errors_m)?;
 
         Ok(())
     }
 }
 written!(crate::v1::fit_losses::LossCurve);
+
+impl Fields for crate::v1::GetFitPreviewRequest {
+    const NAME: &'static str = "GetFitPreviewRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::GetFitPreviewRequest);
+
+impl Fields for crate::v1::FitPreview {
+    const NAME: &'static str = "FitPreview";
+    const FIELDS: &'static [&'static str] = &["stage", "variant", "iteration", "create_time", "sequence", "frames", "positions", "measure", "error_m", "held_back_m", "baseline_m"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.stage = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.variant = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.iteration = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.create_time = time(map)?; }
+4 => { self.sequence = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.frames = tensor(map, Dtype::Float32)?; }
+6 => { self.positions = tensor(map, Dtype::Float32)?; }
+7 => { self.measure = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.error_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.held_back_m = map.next_value()?; }
+10 => { self.baseline_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("stage", &self.stage)?;
+map.serialize_entry("variant", &self.variant)?;
+map.serialize_entry("iteration", &self.iteration)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("sequence", &self.sequence)?;
+write_tensor(map, "frames", self.frames.as_ref(), tensors)?;
+write_tensor(map, "positions", self.positions.as_ref(), tensors)?;
+map.serialize_entry("measure", &self.measure)?;
+map.serialize_entry("error_m", &self.error_m)?;
+if let Some(value) = &self.held_back_m { map.serialize_entry("held_back_m", value)?; }
+map.serialize_entry("baseline_m", &self.baseline_m)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::FitPreview);
 
 impl Fields for crate::v1::CancelFitRequest {
     const NAME: &'static str = "CancelFitRequest";

@@ -38,6 +38,8 @@ Rpc { path: "/bendtwin.v1.FitService/UpdateFit", scope: Scope::FitsWrite, audite
     Route { method: "PATCH", path: "/v1/fits/{id}", status: 200, secret: false, messages: Some(Messages { source: Source::Body, has_request_id: false, read: |given| read::<crate::v1::UpdateFitRequest>(given, |message, given| { message.fit.get_or_insert_default().name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/GetFitLosses", scope: Scope::FitsRead, audited: false, routes: &[
     Route { method: "GET", path: "/v1/fits/{id}/losses", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::GetFitLossesRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::FitLosses>(reply, None) }) },] },
+Rpc { path: "/bendtwin.v1.FitService/GetFitPreview", scope: Scope::FitsRead, audited: false, routes: &[
+    Route { method: "GET", path: "/v1/fits/{id}/preview", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.FitService/CancelFit", scope: Scope::FitsWrite, audited: true, routes: &[
     Route { method: "POST", path: "/v1/fits/{id}/cancel", status: 200, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CancelFitRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::Fit>(reply, None) }) },] },
 Rpc { path: "/bendtwin.v1.FitService/DeleteFit", scope: Scope::FitsWrite, audited: true, routes: &[

@@ -1,6 +1,7 @@
 //! Jobs as workers see them: leased, reported, checkpointed, ended.
 
 mod overrun;
+mod preview;
 pub(super) mod results;
 
 use std::{collections::HashSet, time::Duration};
@@ -9,6 +10,7 @@ use bendtwin_core::{
     Fault, ModelLoss, Progress,
     ids::{CaptureId, TwinId, WorkerId},
 };
+use bendtwin_proto::v1::FitPreview;
 use bendtwin_store::{
     AttemptEnd, Capture, Claimant, Content, Digest, Error as StoreError, Job, JobId, JobReport,
     Kind, Lease, LeaseTerms, Observation, Reported, Supplement, SupplementKind, Turns, TwinFacts,
@@ -23,6 +25,8 @@ pub(crate) struct News {
     pub(crate) progress: Option<Progress>,
     /// Losses since the last report.
     pub(crate) losses: Vec<ModelLoss>,
+    /// What the fit has so far, if that is newer than in the last report.
+    pub(crate) preview: Option<FitPreview>,
 }
 
 /// Contents that workers may download.
@@ -178,10 +182,12 @@ impl App {
         // Ingests have none, and do not make way.
         let is_fit = lease.job.fit().is_some();
         let losses = if is_fit { &news.losses[..] } else { &[] };
+        let preview = news.preview.as_ref().filter(|_| is_fit).map(preview::encode).transpose()?;
         let claimant = self.claimant(lease.worker);
         let turns = Turns { claimant: &claimant, slice: self.options.queue.slice() };
         let turns = is_fit.then_some(turns);
-        let report = JobReport { progress: news.progress.as_ref(), losses, turns };
+        let (progress, preview) = (news.progress.as_ref(), preview.as_deref());
+        let report = JobReport { progress, losses, preview, turns };
         let reported = self.store.jobs().report(lease, report, self.options.lease()).await?;
         self.dispatch.seen(lease.worker);
         let overrun = overrun::of(lease.job.kind(), &reported.times, &self.options.queue);

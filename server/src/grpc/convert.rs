@@ -55,6 +55,7 @@ pub(crate) fn fit(mut fit: Job) -> v1::Fit {
         note: labels.note,
         tags: labels.tags,
         error_m: fit.error_m,
+        measure: fit.measure.map(|m| m.as_str().to_owned()).unwrap_or_default(),
         name: fit.id.to_string(),
         capture: fit.capture.to_string(),
         twin: fit.twin.map(|t| t.to_string()).unwrap_or_default(),
@@ -126,6 +127,7 @@ fn progress(progress: Progress) -> v1::Progress {
         eta_s: progress.eta_s,
         note: progress.note.unwrap_or_default(),
         models: progress.models.into_iter().map(model_loss).collect(),
+        error_m: progress.error_m,
     }
 }
 
@@ -136,6 +138,7 @@ fn model_loss(loss: ModelLoss) -> v1::ModelLoss {
         iteration: loss.iteration,
         loss: loss.loss,
         best_loss: loss.best_loss,
+        error_m: loss.error_m,
     }
 }
 
@@ -153,6 +156,7 @@ pub(super) fn losses(losses: Vec<ModelLoss>) -> v1::FitLosses {
             curve.iterations.push(loss.iteration);
             curve.losses.push(loss.loss.unwrap_or(f64::NAN));
             curve.best_losses.push(loss.best_loss.unwrap_or(f64::NAN));
+            curve.errors_m.push(loss.error_m.unwrap_or(f64::NAN));
         }
     }
     v1::FitLosses { curves }
@@ -180,6 +184,8 @@ pub(super) fn read_progress(message: v1::Progress) -> Result<Progress> {
             .filter(|n| !n.is_empty())
             .map(|n| n.chars().take(LONGEST_NOTE).collect()),
         models: models.collect::<Result<_>>()?,
+        error_m: finite(message.error_m),
+        preview: None,
     })
 }
 
@@ -201,6 +207,7 @@ fn read_loss(message: v1::ModelLoss) -> Result<ModelLoss> {
         iteration: message.iteration,
         loss: finite(message.loss),
         best_loss: finite(message.best_loss),
+        error_m: finite(message.error_m),
     })
 }
 

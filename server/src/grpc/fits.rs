@@ -2,8 +2,8 @@
 
 use bendtwin_proto::v1::{
     CancelFitRequest, CreateFitRequest, DeleteFitRequest, DeleteFitResponse, Fit, FitLosses,
-    GetFitLossesRequest, GetFitRequest, ListFitsRequest, ListFitsResponse, UpdateFitRequest,
-    WatchFitRequest, fit_service_server::FitService,
+    FitPreview, GetFitLossesRequest, GetFitPreviewRequest, GetFitRequest, ListFitsRequest,
+    ListFitsResponse, UpdateFitRequest, WatchFitRequest, fit_service_server::FitService,
 };
 use tonic::{Request, Response, Status};
 
@@ -72,6 +72,14 @@ impl FitService for Api {
     ) -> Result<Response<FitLosses>, Status> {
         let losses = self.app.fit_losses(&request.get_ref().name).await?;
         Ok(Response::new(convert::losses(losses)))
+    }
+
+    async fn get_fit_preview(
+        &self,
+        request: Request<GetFitPreviewRequest>,
+    ) -> Result<Response<FitPreview>, Status> {
+        let (preview, _) = self.app.fit_preview(&request.get_ref().name).await?;
+        Ok(Response::new(preview))
     }
 
     async fn cancel_fit(

@@ -148,7 +148,8 @@ impl WorkerLink for Api {
         let r = request.into_inner();
         let lease = lease(&shown, &r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
-        let news = News { progress, losses: convert::read_losses(r.losses)? };
+        let losses = convert::read_losses(r.losses)?;
+        let news = News { progress, losses, preview: r.preview };
         let reported = self.app.report_job(lease, &news).await?;
         Ok(Response::new(ReportJobResponse {
             cancel_requested: reported.cancel_requested,

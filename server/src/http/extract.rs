@@ -5,10 +5,10 @@ use axum::{
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
 use bendtwin_contract::rollout;
-use bendtwin_proto::json::{Fields, from_query};
+use bendtwin_proto::json::{Fields, TensorFormat, from_query};
 use futures::{StreamExt, TryStreamExt};
 use hyper::body::Body as HttpBody;
-use serde::de::DeserializeOwned;
+use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::{
     app::{self, App, Error},
@@ -49,6 +49,15 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Params<T> {
         let query = Query::<T>::from_request_parts(parts, state).await;
         query.map(|Query(t)| Self(t)).map_err(|e| Error::invalid("query", e.body_text()).into())
     }
+}
+
+/// Form of the tensors of a reply.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TensorParams {
+    /// `lists` (nested lists of numbers, the default) or `base64`.
+    #[serde(default)]
+    pub(super) tensors: TensorFormat,
 }
 
 /// The metadata of an upload, in the query.

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use super::{
     Result,
     download::download,
-    extract::{self, Id, Metadata, Params},
+    extract::{self, Id, Metadata, Params, TensorParams},
     message::document,
     rollouts::document::answer,
 };
@@ -43,15 +43,6 @@ pub(super) async fn create(
     let twin = convert::twin(app.create_twin(metadata, body).await?);
     let location = [(header::LOCATION, format!("/v1/{}", twin.name))];
     Ok((StatusCode::CREATED, location, document(&twin)).into_response())
-}
-
-/// Form of tensors.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TensorParams {
-    /// `lists` (nested lists of numbers, the default) or `base64`.
-    #[serde(default)]
-    tensors: TensorFormat,
 }
 
 /// The geometry of a twin

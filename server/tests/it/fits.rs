@@ -1,11 +1,13 @@
 use std::time::Duration;
 
 use bendtwin_proto::v1::{
-    CreateFitRequest, GetFitRequest, ListFitsRequest, WatchFitRequest, job::State,
+    CreateFitRequest, FitPreview, GetFitPreviewRequest, GetFitRequest, ListFitsRequest, Tensor,
+    WatchFitRequest, job::State,
 };
 use bendtwin_proto::worker::v1::lease_job_request::Kind;
 use futures::StreamExt;
 use serde_json::{Value, json};
+use tonic::Code;
 
 use crate::{
     harness::{Server, read},
@@ -242,4 +244,51 @@ async fn a_fit_is_queued_soon_while_the_report_of_its_capture_cannot_be_read() {
     drop(std::fs::OpenOptions::new().read(true).write(true).open(&blob).unwrap());
     let (status, fit) = queued.expect("the fit is queued");
     assert_eq!(status, 202, "{fit}");
+}
+
+fn preview() -> FitPreview {
+    FitPreview {
+        stage: "refine".into(),
+        variant: "bending".into(),
+        iteration: 3,
+        sequence: 1,
+        frames: Some(Tensor::pack(&[2], &[0_u32, 9])),
+        positions: Some(Tensor::pack_points_i16(&[2, 1], &[[-1.0; 3], [1.0; 3]])),
+        measure: "track".into(),
+        error_m: 0.008,
+        baseline_m: 0.041,
+        ..FitPreview::default()
+    }
+}
+
+#[tokio::test]
+async fn what_a_running_fit_has_so_far_is_served_over_both_transports() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let path = format!("/v1/{fit}/preview");
+    let (status, missing) = server.get(&path).await;
+    assert_eq!((status, &missing["reason"]), (404, &json!("PREVIEW_MISSING")));
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
+    worker.report_preview(&lease, preview()).await.unwrap();
+    let wrong = FitPreview { measure: "loss".into(), ..preview() };
+    let refused = worker.report_preview(&lease, wrong).await.unwrap_err();
+    assert_eq!(refused.code(), Code::InvalidArgument);
+
+    let (status, lists) = server.get(&path).await;
+    assert_eq!(status, 200, "{lists}");
+    assert_eq!((&lists["error_m"], &lists["baseline_m"]), (&json!(0.008), &json!(0.041)));
+    assert_eq!((&lists["frames"], &lists["sequence"]), (&json!([0, 9]), &json!(1)));
+    assert!((lists["positions"][1][0][2].as_f64().unwrap() - 1.0).abs() < 1e-4, "{lists}");
+    assert!(lists["create_time"].is_string() && lists.get("held_back_m").is_none(), "{lists}");
+    let (_, packed) = server.get(&format!("{path}?tensors=base64")).await;
+    assert_eq!(packed["positions"]["dtype"], "INT16_SCALED");
+    let request = GetFitPreviewRequest { name: fit.clone() };
+    let read = server.fits().get_fit_preview(request.clone()).await.unwrap().into_inner();
+    assert_eq!(FitPreview { create_time: None, ..read }, preview());
+
+    worker.complete(&lease, b"a twin").await.unwrap();
+    let gone = server.fits().get_fit_preview(request).await.unwrap_err();
+    assert_eq!(gone.code(), Code::NotFound);
+    assert_eq!(server.get(&path).await.0, 404);
 }

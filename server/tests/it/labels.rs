@@ -237,7 +237,9 @@ async fn lists_are_searched_filtered_and_ordered() {
 }
 
 fn loss(stage: &str, variant: &str, iteration: u32, loss: Option<f64>) -> ModelLoss {
-    ModelLoss { stage: stage.into(), variant: variant.into(), iteration, loss, best_loss: loss }
+    let error_m = loss.filter(|_| iteration == 2);
+    let (stage, variant) = (stage.into(), variant.into());
+    ModelLoss { stage, variant, iteration, loss, best_loss: loss, error_m }
 }
 
 #[tokio::test]
@@ -254,12 +256,13 @@ async fn the_losses_of_a_fit_stay_with_it() {
         loss("search", "bending", 2, Some(0.25)),
     ];
     worker.report_losses(&lease, sent).await.unwrap();
-    let curve = |variant: &str, iterations: Value, losses: Value| {
+    let curve = |variant: &str, iterations: Value, losses: Value, errors_m: Value| {
         json!({"stage": "search", "variant": variant, "iterations": iterations,
-            "losses": losses, "best_losses": losses})
+            "losses": losses, "best_losses": losses, "errors_m": errors_m})
     };
-    let expected = json!({"curves": [curve("bending", json!([1, 2]), json!([0.5, 0.25])),
-        curve("axial", json!([1]), json!([null]))]});
+    let bending = curve("bending", json!([1, 2]), json!([0.5, 0.25]), json!([null, 0.25]));
+    let axial = curve("axial", json!([1]), json!([null]), json!([null]));
+    let expected = json!({"curves": [bending, axial]});
     assert_eq!(server.get(&path).await, (200, expected.clone()));
     for wrong in
         [vec![loss("evaluate", "bending", 1, None)], vec![loss("refine", "b", 1, None); 1025]]

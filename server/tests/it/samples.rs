@@ -181,11 +181,13 @@ async fn captures_and_fits(server: &Server, samples: &mut Samples<'_>) {
         iteration,
         loss,
         best_loss: Some(0.5),
+        error_m: Some(0.008),
     };
     worker.report_losses(&lease, vec![loss(1, Some(0.5)), loss(2, None)]).await.unwrap();
     samples.get(&format!("/v1/{fit}")).await;
     samples.get(&format!("/v1/{worker_name}")).await;
     samples.get(&format!("/v1/{fit}/losses")).await;
+    samples.get(&format!("/v1/{fit}/preview")).await;
     worker.complete(&lease, b"a twin").await.unwrap();
     samples.get(&format!("/v1/{fit}")).await;
     let events = server.http.get(server.url(&format!("/v1/{fit}/events")));

@@ -19,9 +19,9 @@ use bendtwin_core::{
 use bendtwin_proto::{
     fault,
     v1::{
-        CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, ModelLoss,
-        PredictedMotion, Progress, RegisteredState, RollOutResponse, Session, SessionStates,
-        Tensor, Tracking,
+        CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, FitPreview,
+        ModelLoss, PredictedMotion, Progress, RegisteredState, RollOutResponse, Session,
+        SessionStates, Tensor, Tracking,
         corrected_session::Correction,
         initial_state::GivenState,
         roll_out_request::Actions,
@@ -247,7 +247,7 @@ impl Worker {
             job: lease.job.clone(),
             epoch: lease.epoch,
             progress: Some(progress),
-            losses: Vec::new(),
+            ..ReportJobRequest::default()
         };
         self.link.report_job(request).await.map(Response::into_inner)
     }
@@ -261,10 +261,25 @@ impl Worker {
             worker: self.id.to_string(),
             job: lease.job.clone(),
             epoch: lease.epoch,
-            progress: None,
             losses,
+            ..ReportJobRequest::default()
         };
         self.link.report_job(request).await.map(|r| r.into_inner().cancel_requested)
+    }
+
+    pub(crate) async fn report_preview(
+        &mut self,
+        lease: &Lease,
+        preview: FitPreview,
+    ) -> Result<(), Status> {
+        let request = ReportJobRequest {
+            worker: self.id.to_string(),
+            job: lease.job.clone(),
+            epoch: lease.epoch,
+            preview: Some(preview),
+            ..ReportJobRequest::default()
+        };
+        self.link.report_job(request).await.map(drop)
     }
 
     pub(crate) async fn checkpoint(

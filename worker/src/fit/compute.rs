@@ -108,7 +108,7 @@ impl Compute {
     }
 }
 
-/// Passes on progress and checkpoints of a fit.
+/// Passes on progress, previews and checkpoints of a fit.
 struct JobObserver {
     compute: Compute,
     /// True if the last iteration reported was a stage's last.
@@ -126,6 +126,10 @@ impl Observer<Progress> for JobObserver {
         self.compute.stop.at_checkpoint();
         Ok(())
     }
+
+    fn wants_previews(&self) -> bool {
+        true
+    }
 }
 
 fn reading_progress() -> Progress {
@@ -140,6 +144,8 @@ fn reading_progress() -> Progress {
         eta_s: None,
         note: None,
         models: Vec::new(),
+        error_m: None,
+        preview: None,
     }
 }
 

@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{ModelLoss, Progress};
+use bendtwin_core::{ModelLoss, Preview, Progress};
 use tokio::{task::JoinHandle, time::MissedTickBehavior};
 use tracing::Instrument as _;
 
@@ -37,6 +37,8 @@ struct PendingReport {
     progress: Option<Progress>,
     /// In the order in which they were computed.
     losses: Vec<ModelLoss>,
+    /// The newest preview that was not reported yet.
+    preview: Option<Arc<Preview>>,
     /// Iterations that are no multiples of this have been dropped.
     stride: u32,
     stages: StageSpans,
@@ -47,6 +49,7 @@ struct PendingReport {
 pub(crate) struct News {
     pub(crate) progress: Option<Progress>,
     pub(crate) losses: Vec<ModelLoss>,
+    pub(crate) preview: Option<Arc<Preview>>,
 }
 
 impl LatestProgress {
@@ -60,22 +63,29 @@ impl LatestProgress {
             waiting.losses.push(loss);
             waiting.thin_out();
         }
+        if let Some(preview) = progress.preview.take() {
+            waiting.preview = Some(preview);
+        }
         waiting.progress = Some(progress);
     }
 
-    /// Progress and losses to report.
+    /// Progress, losses and preview to report.
     fn news(&self) -> News {
         let waiting = self.lock();
         let losses = waiting.losses.iter().take(MOST_LOSSES).cloned().collect();
-        News { progress: waiting.progress.clone(), losses }
+        News { progress: waiting.progress.clone(), losses, preview: waiting.preview.clone() }
     }
 
-    /// Drops losses that have been reported; these were the first. Where others are the first by
-    /// now, they are reported twice, which is safe.
-    fn acknowledge(&self, reported: &[ModelLoss]) {
+    /// Drops what has been reported: losses, which were the first, and the preview. Where others are
+    /// the first losses by now, they are reported twice, which is safe.
+    fn acknowledge(&self, reported: &News) {
         let mut waiting = self.lock();
-        let same = waiting.losses.iter().zip(reported).take_while(|(a, b)| a == b).count();
+        let losses = waiting.losses.iter().zip(&reported.losses);
+        let same = losses.take_while(|(a, b)| a == b).count();
         waiting.losses.drain(..same);
+        waiting
+            .preview
+            .take_if(|own| reported.preview.as_ref().is_some_and(|p| Arc::ptr_eq(p, own)));
     }
 
     fn lock(&self) -> MutexGuard<'_, PendingReport> {
@@ -118,7 +128,7 @@ pub(crate) async fn flush(job: &LeasedJob, latest: &LatestProgress) {
             if news.losses.is_empty() || job.report(&news).await.is_err() {
                 return;
             }
-            latest.acknowledge(&news.losses);
+            latest.acknowledge(&news);
         }
     };
     // They are worth no wait for a server that cannot be reached.
@@ -141,7 +151,7 @@ async fn run(job: LeasedJob, stop: Stop, latest: LatestProgress) {
         let news = latest.news();
         match job.report(&news).await {
             Ok(answer) => {
-                latest.acknowledge(&news.losses);
+                latest.acknowledge(&news);
                 reachable = true;
                 if answer.cancel_requested {
                     stop.stop(Reason::Cancelled);

@@ -18,7 +18,7 @@ const NO_DIFFERENCE: &str =
 /// row is missing.
 pub(super) fn paragraphs(quality: &Quality) -> Option<Vec<String>> {
     let (measure, own) = quality.scores.first()?.future.headline()?;
-    let of = |predictor| measure(&quality.score(predictor)?.future);
+    let of = |predictor| measure.of(&quality.score(predictor)?.future);
     let (axial, still) = (of(Predictor::Axial)?, of(Predictor::StandingStill)?);
     let millimetres = |error: f64, what: &str| format!("  {:6.1} mm  {what}", 1e3 * error);
     let found = if !differ([own, axial]) {

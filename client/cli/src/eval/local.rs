@@ -75,6 +75,7 @@ impl Observer<Progress> for BarObserver {
             eta_s: progress.eta_s,
             note: progress.note.unwrap_or_default(),
             models: Vec::new(),
+            error_m: None,
         });
     }
 }

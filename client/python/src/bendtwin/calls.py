@@ -30,6 +30,7 @@ from bendtwin.labels import (
 from bendtwin.resources import (
     Capture,
     Fit,
+    FitPreview,
     JobState,
     LossCurve,
     Requirements,
@@ -336,6 +337,12 @@ def fit_losses(name: str) -> Call[list[LossCurve]]:
         request,
         lambda losses: [LossCurve.from_proto(c) for c in losses.curves],
     )
+
+
+def fit_preview(name: str) -> Call[FitPreview]:
+    """What a running fit has so far."""
+    request = fit_pb2.GetFitPreviewRequest(name=name)
+    return Call(lambda s: s.fits.GetFitPreview, request, FitPreview.from_proto)
 
 
 def cancel_fit(name: str) -> Call[Fit]:

@@ -29,6 +29,7 @@ from bendtwin.labels import (
 from bendtwin.resources import (
     Capture,
     Fit,
+    FitPreview,
     JobState,
     LossCurve,
     OwnerUsage,
@@ -321,6 +322,12 @@ class Client:
         """The losses of a fit, by stage and model. They are kept until the fit is deleted."""
         name = fit if isinstance(fit, str) else fit.name
         return self._caller.run(calls.fit_losses(name))
+
+    def fit_preview(self, fit: Fit | str) -> FitPreview:
+        """What a running fit has so far; raises NotFound before there is something, and once the
+        fit has a twin."""
+        name = fit if isinstance(fit, str) else fit.name
+        return self._caller.run(calls.fit_preview(name))
 
     def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; an ended fit is returned unchanged."""

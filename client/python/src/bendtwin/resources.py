@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bendtwin.errors import Category, category_named
 from bendtwin.messages import FromMessage
 from bendtwin.simulation.rollout import Fidelity
+from bendtwin.tensors import unpack
 from bendtwin.v1 import fault_pb2, fit_pb2, job_pb2
 
 
@@ -57,6 +58,8 @@ class ModelLoss(FromMessage):
     #: None where the loss was not finite.
     loss: float | None
     best_loss: float | None
+    #: Error over the training frames with the best parameters, metres; None without a preview.
+    error_m: float | None = None
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,9 @@ class LossCurve:
     losses: NDArray[np.float64]
     #: Lowest loss up to each iteration, [n].
     best_losses: NDArray[np.float64]
+    #: Error over the training frames with the best parameters up to each iteration, metres; NaN
+    #: where it was not measured, [n].
+    errors_m: NDArray[np.float64]
 
     @classmethod
     def from_proto(cls, message: fit_pb2.FitLosses.LossCurve) -> LossCurve:
@@ -86,6 +92,53 @@ class LossCurve:
             np.array(message.iterations, np.int64),
             np.array(message.losses, np.float64),
             np.array(message.best_losses, np.float64),
+            # A server of an earlier version has none.
+            np.array(message.errors_m or [np.nan] * len(message.iterations), np.float64),
+        )
+
+
+@dataclass(frozen=True)
+class FitPreview:
+    """What a running fit has so far: predicted motion of P points in F frames, and its error."""
+
+    #: Stage: search or refine.
+    stage: str
+    #: Model: bending or axial, with several starts followed by the start: `bending 2/3`.
+    variant: str
+    #: Iterations of the stage that were done.
+    iteration: int
+    #: Time at which the server received it.
+    create_time: datetime
+    #: Index of the sequence among those of the capture.
+    sequence: int
+    #: Numbers of the frames, ascending [F].
+    frames: NDArray[np.int64]
+    #: Positions [F, P, 3], metres.
+    positions: NDArray[np.float32]
+    #: Kind of the errors, the one that the twin will be judged by: track, coordinate or chamfer.
+    measure: str
+    #: Error over the frames that the parameters are fitted to, metres.
+    error_m: float
+    #: Error over training frames that are held back, metres; None: none are.
+    held_back_m: float | None
+    #: Error of the object standing still, over the frames of `error_m`, metres.
+    baseline_m: float
+
+    @classmethod
+    def from_proto(cls, message: fit_pb2.FitPreview) -> FitPreview:
+        """Reads the wire form."""
+        return cls(
+            message.stage,
+            message.variant,
+            message.iteration,
+            message.create_time.ToDatetime(timezone.utc),
+            message.sequence,
+            np.asarray(unpack(message.frames), np.int64),
+            np.asarray(unpack(message.positions), np.float32),
+            message.measure,
+            message.error_m,
+            message.held_back_m if message.HasField("held_back_m") else None,
+            message.baseline_m,
         )
 
 
@@ -107,6 +160,8 @@ class Progress(FromMessage):
     note: str
     #: The latest loss of each model, when several are fitted side by side.
     models: tuple[ModelLoss, ...] = ()
+    #: Error over the training frames of the newest preview, metres.
+    error_m: float | None = None
 
 
 @dataclass(frozen=True)
@@ -219,6 +274,8 @@ class Fit(FromMessage):
     owner: str = ""
     #: Worker that the fit requires.
     requirements: Requirements = Requirements()
+    #: Kind of `error_m`: track, coordinate or chamfer; empty if unknown.
+    measure: str = ""
 
     @property
     def state(self) -> JobState:

@@ -19,13 +19,21 @@ pub struct LossCurve {
     pub losses: Vec<Option<f64>>,
     /// Lowest loss up to each iteration.
     pub best_losses: Vec<Option<f64>>,
+    /// Error over the training frames with the best parameters up to each iteration [m]; none where it
+    /// was not measured.
+    pub errors_m: Vec<Option<f64>>,
 }
 
 impl TryFrom<v1::fit_losses::LossCurve> for LossCurve {
     type Error = Error;
     fn try_from(wire: v1::fit_losses::LossCurve) -> Result<Self, Error> {
         let count = wire.iterations.len();
-        if wire.losses.len() != count || wire.best_losses.len() != count {
+        let mut errors_m = wire.errors_m;
+        if errors_m.is_empty() {
+            // A server of an earlier version.
+            errors_m.resize(count, f64::NAN);
+        }
+        if [&wire.losses, &wire.best_losses, &errors_m].iter().any(|list| list.len() != count) {
             return Err(Error::malformed("a curve of losses has lists of different lengths"));
         }
         let finite =
@@ -36,6 +44,7 @@ impl TryFrom<v1::fit_losses::LossCurve> for LossCurve {
             iterations: wire.iterations,
             losses: finite(wire.losses),
             best_losses: finite(wire.best_losses),
+            errors_m: finite(errors_m),
         })
     }
 }

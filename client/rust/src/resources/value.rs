@@ -7,6 +7,7 @@ use std::{fmt::Display, str::FromStr, time::Duration};
 use bendtwin_core::{
     Fault, Fidelity, Quality,
     ids::{CaptureId, FitId, KeyId, ProjectId, RetentionId, SessionId, TwinId, WorkerId},
+    quality::Measure,
 };
 use bendtwin_plan::Origin;
 use bendtwin_proto::v1;
@@ -89,6 +90,13 @@ pub(crate) trait FromWire<W>: Sized {
 impl<T> FromWire<T> for T {
     fn from_wire(wire: T, _: &str) -> Result<Self, Error> {
         Ok(wire)
+    }
+}
+
+impl FromWire<String> for Option<Measure> {
+    fn from_wire(name: String, _: &str) -> Result<Self, Error> {
+        // One that a newer server knows is unknown here.
+        Ok(Measure::parse(&name))
     }
 }
 

@@ -4,13 +4,14 @@ import type { OpenPage } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { empty } from '../../ui/empty';
-import { duration, millimetres, time } from '../../ui/format';
+import { duration, time } from '../../ui/format';
 import { comparedIds, compareTable, differingSettings, distinctNames, type Line } from '../parts/compare';
 import { isolated } from '../parts/text';
 import { comparedText } from '../twins/quality';
-import { LossCharts } from './chart';
+import { LOSSES, StageCharts } from './chart';
 import { captureLink } from '../parts/capture';
-import { lastLosses, lossText } from './losses';
+import { errorWords } from './picture/preview';
+import { chartsOf, lastLosses, lossText } from './losses';
 
 /** Fits beside each other: their results, losses, and settings that differ. */
 export const open: OpenPage = async (context) => {
@@ -21,19 +22,18 @@ export const open: OpenPage = async (context) => {
   const fits = await Promise.all(ids.map((id) => api.get('/v1/fits/{id}', { id, signal })));
   const losses = await Promise.all(ids.map((id) => api.get('/v1/fits/{id}/losses', { id, signal })));
   const names = distinctNames(fits.map(({ display_name }) => display_name));
-  const charts = new LossCharts();
-  charts.update(
-    losses.flatMap(({ curves }, index) =>
-      curves.map((curve) => ({ ...curve, variant: `${names[index]}: ${curve.variant}` })),
-    ),
+  const charts = new StageCharts(LOSSES);
+  const named = losses.flatMap(({ curves }, index) =>
+    curves.map((curve) => ({ ...curve, variant: `${names[index]}: ${curve.variant}` })),
   );
+  charts.update(chartsOf(named));
   const differing = differingSettings(fits.map(({ job }) => job.settings));
   const lines: Line[] = [
     { text: 'Fit', cells: fits.map((fit) => h('a', { href: `#/fits/${idOf(fit.name)}` }, 'Open')) },
     { text: 'Twin', cells: fits.map(({ twin }) => (twin ? h('a', { href: `#/twins/${idOf(twin)}` }, 'Open') : '–')) },
     { text: 'Capture', cells: fits.map(({ capture }) => captureLink(context, capture)) },
     { text: 'State', cells: fits.map(({ job }) => badge(job.state)) },
-    { text: 'Error in future frames', cells: fits.map(({ error_m }) => millimetres(error_m)) },
+    { text: 'Error in future frames', cells: fits.map(({ error_m, measure }) => errorWords(error_m, measure)) },
     { text: 'Lowest loss', cells: losses.map(({ curves }) => lowest(curves)) },
     { text: 'Took', cells: fits.map(({ job }) => duration(tookS(job))) },
     { text: 'Created', cells: fits.map(({ job }) => time(job.create_time)) },

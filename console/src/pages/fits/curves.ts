@@ -1,19 +1,23 @@
 import type { LossCurve } from '../../api/types';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
-import { count } from '../../ui/format';
+import { count, millimetres } from '../../ui/format';
 import { table } from '../../ui/table';
-import { LossCharts } from './chart';
-import { lastLosses, lossText, type LastLoss } from './losses';
+import { ERRORS, LOSSES, StageCharts } from './chart';
+import { chartsOf, errorCharts, lastLosses, lossText, type LastLoss } from './losses';
 
 /** Least time between two questions for the losses of a fit that runs [ms]. */
 const PAUSE_MS = 1500;
 
-/** The losses of a fit as curves and as a table of where each model is. */
+/** The errors of a fit in millimetres as curves, and its losses with a table of where each model is. */
 export class LossView {
+  readonly errors = h('section', { hidden: true }, h('h2', {}, 'Error over training frames'));
   readonly element = h('section', { hidden: true }, h('h2', {}, 'Losses'));
-  readonly #charts = new LossCharts();
+  readonly #errorCharts = new StageCharts(ERRORS);
+  readonly #lossCharts = new StageCharts(LOSSES);
   readonly #table = h('div');
+  #curves: readonly LossCurve[] = [];
+  #baseline: number | null = null;
   #asked = 0;
   #isAsking = false;
 
@@ -22,10 +26,18 @@ export class LossView {
     /** The fit's uuid. */
     private readonly id: string,
   ) {
-    this.element.append(this.#charts.element, this.#table);
+    this.errors.append(this.#errorCharts.element);
+    this.element.append(this.#lossCharts.element, this.#table);
   }
 
-  /** Asks for the losses, unless that was done just now; `isLast` asks in any case. */
+  /** The error of standing still [m], once it is known. */
+  set baseline(metres: number) {
+    if (this.#baseline === metres) return;
+    this.#baseline = metres;
+    this.show();
+  }
+
+  /** Asks for the curves, unless that was done just now; `isLast` asks in any case. */
   async update(isLast: boolean): Promise<void> {
     const now = performance.now();
     if (!isLast && (this.#isAsking || (this.#asked > 0 && now - this.#asked < PAUSE_MS))) return;
@@ -34,7 +46,8 @@ export class LossView {
     try {
       const { api, signal } = this.context;
       const { curves } = await api.get('/v1/fits/{id}/losses', { id: this.id, signal });
-      if (!signal.aborted) this.show(curves);
+      this.#curves = curves;
+      if (!signal.aborted) this.show();
     } catch {
       // The next event asks again; the page shows faults of the server.
     }
@@ -42,13 +55,18 @@ export class LossView {
   }
 
   dispose(): void {
-    this.#charts.dispose();
+    this.#errorCharts.dispose();
+    this.#lossCharts.dispose();
   }
 
-  private show(curves: readonly LossCurve[]): void {
+  private show(): void {
+    const curves = this.#curves;
+    const errors = errorCharts(curves, this.#baseline);
+    this.errors.hidden = errors.length === 0;
     this.element.hidden = curves.length === 0;
     if (curves.length === 0) return;
-    this.#charts.update(curves);
+    this.#errorCharts.update(errors);
+    this.#lossCharts.update(chartsOf(curves));
     this.#table.replaceChildren(
       table<LastLoss>({
         caption: 'Last and lowest loss of each model',
@@ -59,6 +77,7 @@ export class LossView {
           { header: 'Iterations', isNumeric: true, cell: ({ iteration }) => count(iteration) },
           { header: 'Last loss', isNumeric: true, cell: ({ loss }) => lossText(loss) },
           { header: 'Lowest loss', isNumeric: true, cell: ({ best }) => lossText(best) },
+          { header: 'Training error', isNumeric: true, cell: ({ error_m }) => millimetres(error_m) },
         ],
       }),
     );

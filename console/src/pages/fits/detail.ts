@@ -16,8 +16,10 @@ import { assessmentView, qualityView } from '../twins/assessment';
 import { parametersView } from '../twins/parameters';
 import type { Quality } from '../twins/quality';
 import { LossView } from './curves';
+import { FitPicture } from './picture/picture';
+import { whyItWaits } from './waiting';
 
-/** The page of a fit: how far it is, its losses, and what came of it. */
+/** The page of a fit: what it has so far or its twin, how far it is, its errors and losses, and what came of it. */
 export const open: OpenPage = async (context) => {
   const id = context.parameters['id'] ?? '';
   const path = `/v1/fits/${encodeURIComponent(id)}`;
@@ -30,10 +32,13 @@ export const open: OpenPage = async (context) => {
 class FitPage {
   readonly element: HTMLElement;
   readonly #job = new JobView('Fit');
+  readonly #picture: FitPicture;
   readonly #losses: LossView;
   readonly #actions = h('div', { class: 'buttons' });
   readonly #faults = faultPlace();
   readonly #result = h('div');
+  /** What it waits for while it is queued. */
+  #waits = '';
   /** Displayed state: what depends on it is redrawn only when it changes. */
   #state = '';
 
@@ -44,14 +49,17 @@ class FitPage {
     private readonly capture: Capture | null,
   ) {
     this.#losses = new LossView(context, idOf(fit.name));
+    this.#picture = new FitPicture(context, (metres) => (this.#losses.baseline = metres));
     const labels = new LabelEditor<Fit>(context, 'fits', path, fit, (changed) => this.update(changed));
     this.element = h(
       'div',
       {},
       this.#actions,
       this.#faults,
-      labels.element,
+      this.#picture.element,
       this.#job.element,
+      this.#losses.errors,
+      labels.element,
       facts([
         ['Capture', captureText(capture)],
         ['Asked for', time(fit.job.create_time)],
@@ -67,6 +75,7 @@ class FitPage {
   }
 
   dispose(): void {
+    this.#picture.dispose();
     this.#losses.dispose();
   }
 
@@ -81,14 +90,28 @@ class FitPage {
     if (fit.job.revision < this.fit.job.revision) return;
     this.fit = fit;
     this.context.setTitle(fit.display_name || 'Fit without a name');
-    this.#job.update(fit.job);
+    this.#job.update(fit.job, this.#waits);
+    this.#picture.update(fit);
     void this.#losses.update(hasEnded(fit.job));
     const state = `${fit.job.state} ${fit.job.cancel_requested} ${fit.twin ?? ''}`;
     if (state === this.#state) return;
     if (this.#state !== '') this.context.announce(`The fit is ${fit.job.state.toLowerCase()}`);
     this.#state = state;
     this.#actions.replaceChildren(...this.actions());
+    if (fit.job.state === 'QUEUED') void this.explain(fit);
     if (fit.twin) void this.showResult(fit.twin);
+  }
+
+  /** Says what a queued fit waits for. */
+  private async explain(fit: Fit): Promise<void> {
+    const { api, signal } = this.context;
+    try {
+      const { workers } = await api.get('/v1/workers', { signal });
+      this.#waits = whyItWaits(fit, this.capture, workers);
+      this.#job.update(this.fit.job, this.#waits);
+    } catch {
+      // That it waits is said in any case.
+    }
   }
 
   private actions(): HTMLElement[] {

@@ -1,15 +1,20 @@
 import { idOf } from '../../api/routes';
 import { hasEnded, tookS, type Fit } from '../../api/types';
-import type { OpenPage } from '../../page';
+import type { OpenPage, PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';
-import { duration, millimetres, name, percent, time } from '../../ui/format';
-import { list } from '../../ui/list';
+import { counted, duration, millimetres, name, percent, time } from '../../ui/format';
+import { list, totalOf } from '../../ui/list';
+import { textOf } from '../../ui/problem';
 import { refresh } from '../../ui/refresh';
-import { Selection } from '../parts/compare';
+import { placeholder, thumbnail } from '../../ui/thumbnail';
+import { compareLink } from '../parts/compare';
 import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
+import { MultiSelection, type Selectable } from '../parts/selection';
+import { measureWord } from './picture/preview';
+import './list.css';
 
 /** Interval at which running fits are refreshed [ms]. */
 const REFRESH_MS = 2000;
@@ -31,29 +36,40 @@ const STATES = {
 export const open: OpenPage = (context) => {
   context.setTitle('Fits');
   let mayChange = false;
-  const selection = new Selection('fits');
+  const faults = h('div', { class: 'fault-place' });
+  const selection: MultiSelection = new MultiSelection(context, {
+    noun: 'fit',
+    question: (rows) =>
+      rows.length === 1
+        ? { title: 'Delete this fit?', text: 'It goes to the trash, if this server has one. Its twin is kept.' }
+        : {
+            title: `Delete ${counted(rows.length, 'fit')}?`,
+            text: 'They go to the trash, if this server has one. Their twins are kept.',
+          },
+    onChange: () => void fits.reload(),
+    actions: (rows) =>
+      rows.length === 0
+        ? null
+        : [compareLink('fits', rows.map((row) => idOf(row.name))), ' ', cancelButton(context, rows, faults, () => fits.reload())],
+  });
   const shown = filters(context, [STATES], () => void fits.restart());
   const fits = list<Fit>(context, {
     caption: 'Fits',
     hidesCaption: true,
+    noun: 'fit',
     columns: [
-      {
-        header: 'Name',
-        orderBy: 'name',
-        cell: (fit) => h('a', { href: `#/fits/${idOf(fit.name)}` }, name(fit.display_name)),
-      },
+      { header: 'Name', orderBy: 'name', cell: (fit) => nameCell(context, selection, fit) },
       { header: 'State', cell: stateOf },
-      { header: 'Error', orderBy: 'error', isNumeric: true, cell: ({ error_m }) => millimetres(error_m) },
+      { header: 'Best error', orderBy: 'error', isNumeric: true, cell: errorOf },
       { header: 'Took', isNumeric: true, cell: ({ job }) => duration(tookS(job)) },
       { header: 'Tags', cell: ({ tags }) => tagLinks('fits', tags) },
       { header: 'Created', orderBy: 'create_time', cell: ({ job }) => time(job.create_time) },
-      { header: 'Compare', cell: (fit) => selection.box(idOf(fit.name), fit.display_name) },
     ],
     load: async (page) => {
       const query = { ...page, ...shown.query() };
-      const { fits: rows, next_page_token } = await context.api.get('/v1/fits', { query, signal: context.signal });
-      mayChange = rows.some(({ job }) => !hasEnded(job));
-      return { rows, next_page_token };
+      const reply = await context.api.get('/v1/fits', { query, signal: context.signal });
+      mayChange = reply.fits.some(({ job }) => !hasEnded(job));
+      return { rows: reply.fits, next_page_token: reply.next_page_token, total_size: totalOf(reply) };
     },
     empty: () =>
       Object.keys(shown.query()).length > 0
@@ -64,14 +80,52 @@ export const open: OpenPage = (context) => {
           ),
   });
   void refresh(context, REFRESH_MS, async () => (mayChange ? fits.reload() : undefined));
-  const start = h(
-    'div',
-    { class: 'buttons' },
-    h('a', { class: 'button primary', href: '#/fits/new' }, 'Start a fit'),
-    selection.button,
-  );
-  return { element: h('div', {}, start, shown.element, fits.element) };
+  const start = h('div', { class: 'buttons' }, h('a', { class: 'button primary', href: '#/fits/new' }, 'Start a fit'));
+  return { element: h('div', {}, start, shown.element, fits.element, faults, selection.element) };
 };
+
+function nameCell({ api, signal }: PageContext, selection: MultiSelection, fit: Fit): HTMLElement {
+  const picture = fit.twin ? thumbnail(api, `/v1/${fit.twin}/thumbnail`, '', signal) : placeholder();
+  const link = h('a', { href: `#/fits/${idOf(fit.name)}` }, name(fit.display_name));
+  return h('span', { class: 'fit-name' }, selection.box(fit), picture, link);
+}
+
+/** The error of the twin with its kind; of a fit that runs that of what it has so far. */
+function errorOf({ job, error_m, measure }: Fit): Child {
+  if (error_m !== null && error_m !== undefined) {
+    return [millimetres(error_m), measure ? h('span', { class: 'fit-measure' }, measureWord(measure)) : ''];
+  }
+  const now = job.progress?.error_m;
+  return now === null || now === undefined
+    ? '–'
+    : [millimetres(now), h('span', { class: 'fit-measure' }, hasEnded(job) ? 'training' : 'training, now')];
+}
+
+/** A button that cancels the selected fits that have not ended. */
+function cancelButton(
+  { api, signal, announce }: PageContext,
+  rows: readonly Selectable[],
+  faults: HTMLElement,
+  reload: () => Promise<void>,
+): HTMLButtonElement {
+  const cancel = async (): Promise<void> => {
+    button.disabled = true;
+    const sent = rows.map((row) =>
+      api.send('POST', `/v1/${row.name}/cancel`, {}, signal).then(
+        () => null,
+        (error: unknown) => h('p', {}, h('bdi', {}, `${row.display_name || idOf(row.name)}: ${textOf(error)}`)),
+      ),
+    );
+    const refused = (await Promise.all(sent)).filter((fault) => fault !== null);
+    if (signal.aborted) return;
+    button.disabled = false;
+    announce(`${counted(rows.length - refused.length, 'fit')} asked to stop`);
+    faults.replaceChildren(refused.length === 0 ? '' : h('div', { class: 'problem', role: 'alert' }, ...refused));
+    await reload();
+  };
+  const button = h('button', { type: 'button', class: 'small', onclick: () => void cancel() }, 'Cancel');
+  return button;
+}
 
 function stateOf({ job }: Fit): Child {
   if (job.state !== 'RUNNING') return badge(job.state);

@@ -3,11 +3,11 @@ import type { LossCurve } from '../../api/types';
 /** A line of a chart. */
 export interface Line {
   readonly label: string;
-  /** True of the lowest loss so far, false of the loss itself. */
-  readonly isBest: boolean;
+  /** False of a loss beside the lowest so far, and of standing still: they are dotted. */
+  readonly isSolid: boolean;
   /** Which of the models it is of, for its colour. */
   readonly model: number;
-  /** Losses by iteration of the chart; null for those without a logarithm. */
+  /** Values by iteration of the chart; null where there is none to draw. */
   readonly values: readonly (number | null)[];
 }
 
@@ -19,7 +19,7 @@ export interface StageChart {
   readonly lines: readonly Line[];
 }
 
-/** Curves as charts, one for each stage, in the order of the stages. */
+/** Losses as charts, one for each stage, in the order of the stages. */
 export function chartsOf(curves: readonly LossCurve[]): StageChart[] {
   const stages = [...new Set(curves.map(({ stage }) => stage))];
   const models = [...new Set(curves.map(({ variant }) => variant))];
@@ -27,15 +27,45 @@ export function chartsOf(curves: readonly LossCurve[]): StageChart[] {
     const own = curves.filter((curve) => curve.stage === stage);
     const iterations = [...new Set(own.flatMap((curve) => curve.iterations))].sort((a, b) => a - b);
     const lines = own.flatMap((curve) => {
-      const line = (isBest: boolean): Line => ({
-        label: isBest ? `${curve.variant}, best` : curve.variant,
-        isBest,
+      const line = (isSolid: boolean): Line => ({
+        label: isSolid ? `${curve.variant}, best` : curve.variant,
+        isSolid,
         model: models.indexOf(curve.variant),
-        values: spread(iterations, curve, isBest ? curve.best_losses : curve.losses),
+        // Others have no logarithm.
+        values: spread(iterations, curve, isSolid ? curve.best_losses : curve.losses).map((value) =>
+          value !== null && value > 0 ? value : null,
+        ),
       });
       return [line(false), line(true)];
     });
     return { stage, iterations, lines };
+  });
+}
+
+/**
+ * Errors in millimetres as charts, one for each stage that has some; with the error of standing still [m] in each,
+ * if it is known.
+ */
+export function errorCharts(curves: readonly LossCurve[], baseline_m: number | null): StageChart[] {
+  const stages = [...new Set(curves.map(({ stage }) => stage))];
+  const models = [...new Set(curves.map(({ variant }) => variant))];
+  return stages.flatMap((stage) => {
+    const own = curves
+      .filter((curve) => curve.stage === stage)
+      .map((curve) => ({ curve, errors: curve.errors_m.map((error) => (error === null ? null : 1000 * error)) }))
+      .filter(({ errors }) => errors.some((error) => error !== null));
+    if (own.length === 0) return [];
+    const known = own.flatMap(({ curve, errors }) => curve.iterations.filter((_, i) => errors[i] !== null));
+    const iterations = [...new Set(known)].sort((a, b) => a - b);
+    const lines = own.map(({ curve, errors }) => ({
+      label: curve.variant,
+      isSolid: true,
+      model: models.indexOf(curve.variant),
+      values: spread(iterations, curve, errors),
+    }));
+    const still = { label: 'standing still', isSolid: false, model: models.length };
+    const values = iterations.map(() => 1000 * (baseline_m ?? 0));
+    return [{ stage, iterations, lines: baseline_m === null ? lines : [...lines, { ...still, values }] }];
   });
 }
 
@@ -45,10 +75,7 @@ function spread(
   values: readonly (number | null)[],
 ): (number | null)[] {
   const known = new Map(curve.iterations.map((iteration, index) => [iteration, values[index] ?? null]));
-  return iterations.map((iteration) => {
-    const value = known.get(iteration) ?? null;
-    return value !== null && value > 0 ? value : null;
-  });
+  return iterations.map((iteration) => known.get(iteration) ?? null);
 }
 
 /** Progress of a model: its last iteration, its last loss and its lowest. */
@@ -58,16 +85,19 @@ export interface LastLoss {
   readonly iteration: number;
   readonly loss: number | null;
   readonly best: number | null;
+  /** The last error that was measured [m]. */
+  readonly error_m: number | null;
 }
 
 /** The ends of all curves. */
 export function lastLosses(curves: readonly LossCurve[]): LastLoss[] {
-  return curves.map(({ stage, variant, iterations, losses, best_losses }) => ({
+  return curves.map(({ stage, variant, iterations, losses, best_losses, errors_m }) => ({
     stage,
     variant,
     iteration: iterations.at(-1) ?? 0,
     loss: losses.at(-1) ?? null,
     best: best_losses.at(-1) ?? null,
+    error_m: errors_m.findLast((error) => error !== null) ?? null,
   }));
 }
 

@@ -28,14 +28,25 @@ export class Selection {
   }
 
   private update(): void {
-    const count = this.#chosen.size;
-    const can = count >= 2 && count <= MOST;
-    this.button.textContent = can ? `Compare ${count}` : `Compare (choose 2 to ${MOST})`;
-    // A link without an address is one that cannot be followed.
-    if (can) this.button.setAttribute('href', `#/${this.kind}/compare?ids=${[...this.#chosen].join(',')}`);
-    else this.button.removeAttribute('href');
-    this.button.setAttribute('aria-disabled', String(!can));
+    showComparison(this.button, this.kind, [...this.#chosen]);
   }
+}
+
+/** A link to the comparison of these resources, by their ids. */
+export function compareLink(kind: 'fits' | 'twins', ids: readonly string[]): HTMLAnchorElement {
+  const link = h('a', { class: 'button small', role: 'link' });
+  showComparison(link, kind, ids);
+  return link;
+}
+
+function showComparison(link: HTMLAnchorElement, kind: 'fits' | 'twins', ids: readonly string[]): void {
+  const count = ids.length;
+  const can = count >= 2 && count <= MOST;
+  link.textContent = can ? `Compare ${count}` : `Compare (choose 2 to ${MOST})`;
+  // A link without an address is one that cannot be followed.
+  if (can) link.setAttribute('href', `#/${kind}/compare?ids=${ids.join(',')}`);
+  else link.removeAttribute('href');
+  link.setAttribute('aria-disabled', String(!can));
 }
 
 /** The ids in the address of a comparison, without repeats. */

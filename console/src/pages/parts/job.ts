@@ -16,15 +16,20 @@ const STAGES: Record<string, string> = {
   evaluate: 'Evaluating',
 };
 
-/** Current activity of a job, in a sentence; empty when it has ended. */
-export function stageText({ state, progress: at, cancel_requested, attempts }: Job): string {
+/** Words for an iteration of a stage. */
+const ITERATIONS: Record<string, string> = { search: ' generation', refine: ' pass' };
+
+/** Current activity of a job, in a sentence; empty when it has ended. `waits` says what it waits for, if that is known. */
+export function stageText({ state, progress: at, cancel_requested, attempts }: Job, waits = ''): string {
+  if (state === 'QUEUED' && waits !== '') return waits;
   if (state === 'QUEUED') return attempts > 0 ? 'Waits for a worker, to resume.' : 'Waits for a worker.';
   if (state !== 'RUNNING') return '';
   if (cancel_requested) return 'Stopping.';
   if (at === null || at === undefined) return 'Begins.';
   const stage = STAGES[at.stage] ?? at.stage;
   const variant = at.variant === '' ? '' : at.stage === 'ingest' ? `: ${at.variant}` : ` (${at.variant})`;
-  const step = at.iterations > 0 ? `, ${at.iteration} of ${at.iterations}` : '';
+  const word = ITERATIONS[at.stage] ?? '';
+  const step = at.iterations > 0 ? `,${word} ${at.iteration} of ${at.iterations}` : '';
   const left = at.eta_s === null || at.eta_s === undefined ? '' : `, about ${duration(at.eta_s)} left`;
   return `${stage}${variant}${step}${left}.`;
 }
@@ -42,7 +47,8 @@ export class JobView {
     this.element = h('section', { class: 'job', 'aria-label': label }, this.#head, this.#bar, this.#text, this.#faults);
   }
 
-  update(job: Job): void {
+  /** `waits` says what a queued job waits for, if that is known. */
+  update(job: Job, waits = ''): void {
     const fraction = job.progress?.fraction ?? 0;
     const took = tookS(job);
     this.#head.replaceChildren(
@@ -54,7 +60,7 @@ export class JobView {
     );
     this.#bar.hidden = hasEnded(job);
     this.#bar.value = fraction;
-    const text = [stageText(job), job.state === 'RUNNING' ? (job.progress?.note ?? '') : ''].join(' ').trim();
+    const text = [stageText(job, waits), job.state === 'RUNNING' ? (job.progress?.note ?? '') : ''].join(' ').trim();
     if (this.#text.textContent !== text) this.#text.textContent = text;
     this.#text.hidden = text === '';
     this.#faults.replaceChildren(...faultBoxes(job));

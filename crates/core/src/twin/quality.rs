@@ -23,15 +23,51 @@ pub struct ErrorSummary {
     pub padded_rms_m: Option<f64>,
 }
 
-/// Reads an error from a summary [m].
-pub type Measure = fn(&ErrorSummary) -> Option<f64>;
+/// The kinds of error that a predictor may be judged by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// [`ErrorSummary::track_m`].
+    Track,
+    /// [`ErrorSummary::coordinate_m`].
+    Coordinate,
+    /// [`ErrorSummary::chamfer_l1_m`].
+    Chamfer,
+}
+
+impl Measure {
+    /// All of them; a predictor is judged by the first that its summary has.
+    pub const ALL: [Self; 3] = [Self::Track, Self::Coordinate, Self::Chamfer];
+
+    /// The error of this kind in a summary [m].
+    pub fn of(self, errors: &ErrorSummary) -> Option<f64> {
+        match self {
+            Self::Track => errors.track_m,
+            Self::Coordinate => errors.coordinate_m,
+            Self::Chamfer => errors.chamfer_l1_m,
+        }
+    }
+
+    /// Name in documents, for example `track`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Track => "track",
+            Self::Coordinate => "coordinate",
+            Self::Chamfer => "chamfer",
+        }
+    }
+
+    /// The measure of a name.
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|measure| measure.as_str() == name)
+    }
+}
 
 impl ErrorSummary {
     /// The error that a predictor is judged by: of tracks, else of coordinates, else the Chamfer
-    /// distance, with how it is read from another summary.
+    /// distance.
     pub fn headline(&self) -> Option<(Measure, f64)> {
-        let measures: [Measure; 3] = [|e| e.track_m, |e| e.coordinate_m, |e| e.chamfer_l1_m];
-        measures.into_iter().find_map(|measure| Some((measure, measure(self)?)))
+        Measure::ALL.into_iter().find_map(|measure| Some((measure, measure.of(self)?)))
     }
 }
 
@@ -273,10 +309,9 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// The error that the twin is judged by over frames that it was not fitted to [m].
-    pub fn error_m(&self) -> Option<f64> {
-        let (_, error_m) = self.scores.first()?.future.headline()?;
-        Some(error_m).filter(|e| e.is_finite())
+    /// The error that the twin is judged by over frames that it was not fitted to, with its kind [m].
+    pub fn headline(&self) -> Option<(Measure, f64)> {
+        self.scores.first()?.future.headline().filter(|(_, error_m)| error_m.is_finite())
     }
 
     /// The row of a predictor.

@@ -136,6 +136,7 @@ impl Run<'_> {
                     loss: Some(step.loss),
                     best_loss: best,
                     note: None,
+                    preview: None,
                 });
             }
             if step.settled || step.done == steps {

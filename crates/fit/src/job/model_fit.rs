@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Environment, FitSettings, Params, Twin, twin::Provenance};
-use bendtwin_engine::{Backend, optimizer::OptimizerInit};
+use bendtwin_engine::{Backend, Model, optimizer::OptimizerInit};
 
 use super::checkpoint::ModelFitState;
 use crate::{
     Error, FitJob,
-    built_graph::BuiltGraph,
+    built_graph::{BuiltGraph, build_model},
     refine::{OptimizerRun, RunState},
     search::{cmaes::CmaEs, space::Space},
     task::{Task, of_start, others},
@@ -156,13 +156,42 @@ impl ModelFit {
         let mut settings = self.settings.clone();
         settings.search.generations = Some(generations);
         settings.refine.passes = Some(run.state.pass);
-        let skin = &run.loaded.model().skin;
-        let (graph, params, skin) = others::of_reference(task, &run.graph, params, skin);
-        Ok(Twin {
+        let model = Model { params, timing, ..Model::clone(run.loaded.model()) };
+        Ok(self.twin_of(job, task, refined_from, settings, model))
+    }
+
+    /// The search of the model; `None` once it is over.
+    pub(crate) fn search(&self) -> Option<&CmaEs> {
+        match &self.state {
+            ModelFitState::Search(search) => Some(search),
+            ModelFitState::Chosen { .. } | ModelFitState::Refine { .. } => None,
+        }
+    }
+
+    /// The twin at the best point of the search; `None` before there is one.
+    pub(crate) fn searched(&self, job: &FitJob<'_>, task: &Task<'_>) -> Option<Twin> {
+        let (built, params, environment) = self.build(task, &self.search()?.best()?.point);
+        let model = build_model(task, &built.graph, params, environment).ok()?;
+        Some(self.twin_of(job, task, None, self.settings.clone(), model))
+    }
+
+    /// A model as a twin in the reference, without its quality.
+    fn twin_of(
+        &self,
+        job: &FitJob<'_>,
+        task: &Task<'_>,
+        refined_from: Option<&str>,
+        settings: FitSettings,
+        model: Model,
+    ) -> Twin {
+        let (environment, timing) = (model.environment, model.timing);
+        let (graph, params, skin) =
+            others::of_reference(task, &model.graph, model.params, &model.skin);
+        Twin {
             graph,
             skin,
             params,
-            environment: run.loaded.model().environment,
+            environment,
             timing,
             control_velocity: self.settings.control_velocity,
             provenance: Provenance {
@@ -182,6 +211,6 @@ impl ModelFit {
             appearance: None,
             surface: None,
             planner: None,
-        })
+        }
     }
 }

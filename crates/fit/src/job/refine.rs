@@ -78,9 +78,12 @@ impl<'a> Run<'a> {
             }
             self.keep()?;
             let passes = refinement.runs.iter().map(|r| r.state.pass).max().unwrap_or(0);
+            let mut preview = self.preview_refinement(refinement, before + passes);
             for run in &mut refinement.runs {
+                let model = self.models[run.model].name.clone();
                 self.report(ModelProgress {
-                    model: self.models[run.model].name.clone(),
+                    preview: preview.take_if(|p| p.variant == model),
+                    model,
                     stage: Stage::Refine,
                     iteration: before + passes,
                     loss: Some(run.state.loss),

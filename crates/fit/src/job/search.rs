@@ -38,6 +38,7 @@ impl Run<'_> {
             let results = search.generation(&mut open, &*self.job.backend, self.cancel)?;
             self.limit_generations(began.elapsed().as_secs_f64());
             self.keep()?;
+            let mut preview = self.preview_search();
             for result in results {
                 let model = &self.models[result.model];
                 let ModelFitState::Search(strategy) = &model.state else { continue };
@@ -49,6 +50,7 @@ impl Run<'_> {
                     loss: losses.clone().reduce(f64::min),
                     best_loss: strategy.best().map(|b| b.loss),
                     note: result.failures.note(losses.len()),
+                    preview: preview.take_if(|p| p.variant == model.name),
                 });
             }
         }

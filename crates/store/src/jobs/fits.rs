@@ -8,7 +8,7 @@ use bendtwin_core::{
 use uuid::Uuid;
 
 use super::{
-    Job, Jobs, Kind, Lease, Requirements, requirements,
+    Job, Jobs, Kind, Lease, Requirements, previews, requirements,
     row::{self, Row, State},
 };
 use crate::{
@@ -222,15 +222,18 @@ impl Jobs<'_> {
         let twin = self.insert_twin(&mut tx, &before, facts, digest, size_bytes).await?;
         let row: Row = query(
             "update jobs set state = 'succeeded', twin = $2, ended_at = $3, lease_until = null,
-                 worker = null, checkpoint = null, error_m = $4, revision = revision + 1
+                 worker = null, checkpoint = null, error_m = $4, measure = $5,
+                 revision = revision + 1
              where id = $1 returning *",
         )
         .bind(&before.id)
         .bind(twin.uuid().to_string())
         .bind(self.store.now_micros())
         .bind(labels::error_key(&facts.quality))
+        .bind(labels::headline(&facts.quality).map(|(measure, _)| measure.as_str()))
         .fetch_one(&mut tx)
         .await?;
+        previews::forget(&mut tx, &before.id).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         self.changed(&Job::try_from(row)?);

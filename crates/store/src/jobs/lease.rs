@@ -45,6 +45,8 @@ pub struct JobReport<'a> {
     pub progress: Option<&'a Progress>,
     /// Losses since the last report, of a fit.
     pub losses: &'a [ModelLoss],
+    /// What a fit has so far, in a text of the caller's; none: nothing newer.
+    pub preview: Option<&'a str>,
     /// How it shares its worker; none: it does not.
     pub turns: Option<Turns<'a>>,
 }
@@ -103,7 +105,7 @@ impl Jobs<'_> {
         }
     }
 
-    /// Renews the lease, stores progress and losses, if any, and adds to the times of the job.
+    /// Renews the lease, stores progress, losses and preview, if any, and adds to the times of the job.
     ///
     /// # Errors
     /// [`Error::StaleLease`].
@@ -113,12 +115,15 @@ impl Jobs<'_> {
         report: impl Into<JobReport<'r>>,
         renew: Duration,
     ) -> Result<Reported> {
-        let JobReport { progress, losses, turns } = report.into();
+        let JobReport { progress, losses, preview, turns } = report.into();
         let mut tx = self.store.inner.database.write().await?;
         let until = self.store.lease_until(&tx, renew);
         let row = row::fetch_leased(&mut tx, lease).await?;
         let passed = as_micros(self.renew(lease, renew));
         losses::record(&mut tx, &row, losses).await?;
+        if let Some(preview) = preview {
+            self.record_preview(&mut tx, &row, preview).await?;
+        }
         let json = progress.map(serde_json::to_string).transpose();
         let json = json.map_err(|e| Error::Io(std::io::Error::other(e.to_string())))?;
         let moves = json.is_some() && json != row.progress;

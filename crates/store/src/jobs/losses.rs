@@ -26,6 +26,7 @@ row! {
         iteration: i64,
         loss: Option<f64>,
         best_loss: Option<f64>,
+        error_m: Option<f64>,
     }
 }
 
@@ -36,21 +37,23 @@ impl Jobs<'_> {
     /// [`Error::NotFound`].
     pub async fn losses(&self, fit: FitId) -> Result<Vec<ModelLoss>> {
         let key = fit.uuid().to_string();
-        let rows: Vec<LossRow> =
-            query("select stage, variant, iteration, loss, best_loss from losses where fit = $1")
-                .bind(&key)
-                .fetch_all(self.store.inner.database.read())
-                .await?;
+        let rows: Vec<LossRow> = query(
+            "select stage, variant, iteration, loss, best_loss, error_m from losses
+                 where fit = $1",
+        )
+        .bind(&key)
+        .fetch_all(self.store.inner.database.read())
+        .await?;
         self.get(fit).await?;
         let corrupt = |stage: &str| Error::CorruptRow {
             name: fit.to_string(),
             fault: format!("a loss of the stage `{stage}`"),
         };
         let mut losses = Vec::with_capacity(rows.len());
-        for LossRow { stage, variant, iteration, loss, best_loss } in rows {
+        for LossRow { stage, variant, iteration, loss, best_loss, error_m } in rows {
             let stage = Stage::parse(&stage).ok_or_else(|| corrupt(&stage))?;
             let iteration = u32::try_from(iteration).unwrap_or(u32::MAX);
-            losses.push(ModelLoss { stage, variant, iteration, loss, best_loss });
+            losses.push(ModelLoss { stage, variant, iteration, loss, best_loss, error_m });
         }
         // Of `bending 2/12` and `bending 10/12` the shorter comes first, of bending and axial the
         // model that becomes the twin.
@@ -129,10 +132,10 @@ async fn forget_later(
 
 async fn insert(tx: &mut Transaction, row: &Row, loss: &ModelLoss) -> Result<()> {
     query(
-        "insert into losses (fit, stage, variant, iteration, loss, best_loss, epoch)
-         values ($1, $2, $3, $4, $5, $6, $7)
+        "insert into losses (fit, stage, variant, iteration, loss, best_loss, epoch, error_m)
+         values ($1, $2, $3, $4, $5, $6, $7, $8)
          on conflict (fit, stage, variant, iteration) do update set loss = excluded.loss,
-             best_loss = excluded.best_loss, epoch = excluded.epoch",
+             best_loss = excluded.best_loss, epoch = excluded.epoch, error_m = excluded.error_m",
     )
     .bind(&row.id)
     .bind(loss.stage.as_str())
@@ -141,6 +144,7 @@ async fn insert(tx: &mut Transaction, row: &Row, loss: &ModelLoss) -> Result<()>
     .bind(loss.loss)
     .bind(loss.best_loss)
     .bind(row.lease_epoch)
+    .bind(loss.error_m)
     .execute(&mut *tx)
     .await?;
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bendtwin_core::Progress;
+use bendtwin_core::{Progress, quality::Measure};
 
 use uuid::Uuid;
 
@@ -87,6 +87,7 @@ row! {
         tags: String,
         first_name: Option<String>,
         error_m: f64,
+        measure: Option<String>,
         pub(super) loss_stride: i64,
         pub(super) owner: String,
         pub(super) requirements: String,
@@ -198,6 +199,7 @@ impl TryFrom<Row> for Job {
             revision: row.revision.max(0) as u64,
             labels: Labels::of_row(row.display_name, row.note, &row.tags),
             error_m: labels::error_of(row.error_m),
+            measure: row.measure.as_deref().and_then(Measure::parse),
             owner: row.owner,
             run: Duration::from_micros(row.run_us.max(0) as u64),
             settings: row.settings,

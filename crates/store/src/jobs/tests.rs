@@ -46,6 +46,8 @@ fn progress(fraction: f64) -> Progress {
         eta_s: None,
         note: None,
         models: Vec::new(),
+        error_m: Some(0.01),
+        preview: None,
     }
 }
 

@@ -120,7 +120,8 @@ async fn a_renamed_fit_is_announced_and_names_its_twin(on: On) {
     let twin = jobs.complete_fit(lease, &facts, bench.stage("twin").await).await.unwrap();
     let twin = bench.store.twins().get(twin).await.unwrap();
     assert_eq!((twin.labels.display_name.as_str(), twin.error_m), ("stiffer", Some(0.005)));
-    assert_eq!(jobs.get(id).await.unwrap().error_m, Some(0.005));
+    let ended = jobs.get(id).await.unwrap();
+    assert_eq!((ended.error_m, ended.measure), (Some(0.005), Some(Measure::Track)));
 }
 
 const QUALITY: &str = r#"{"assessment": {"level": "fair", "why": "", "next": ""}, "scores": [{"predictor": "bending", "train": {},

@@ -1,4 +1,4 @@
-use bendtwin_core::Stage;
+use bendtwin_core::{PreviewErrors, Stage, quality::Measure};
 
 use super::*;
 
@@ -14,7 +14,48 @@ fn progress(stage: Stage, variant: &str, iteration: u32) -> Progress {
         eta_s: None,
         note: None,
         models: Vec::new(),
+        error_m: None,
+        preview: None,
     }
+}
+
+fn preview(iteration: u32) -> Arc<Preview> {
+    let errors = PreviewErrors {
+        measure: Measure::Track,
+        error_m: 1.0 / f64::from(iteration),
+        held_back_m: None,
+        baseline_m: 1.0,
+    };
+    Arc::new(Preview {
+        stage: Stage::Refine,
+        variant: "bending".to_owned(),
+        iteration,
+        sequence: 0,
+        frames: vec![0],
+        positions: vec![[0.0; 3]],
+        errors,
+    })
+}
+
+#[test]
+fn a_preview_is_reported_once_and_its_error_with_the_loss() {
+    let latest = LatestProgress::default();
+    let with = |iteration| Progress {
+        preview: Some(preview(iteration)),
+        ..progress(Stage::Refine, "bending", iteration)
+    };
+    latest.set(with(1));
+    latest.set(progress(Stage::Refine, "bending", 2));
+    let news = latest.news();
+    assert_eq!(news.preview.as_ref().unwrap().iteration, 1);
+    assert_eq!(news.losses.iter().map(|l| l.error_m).collect::<Vec<_>>(), [Some(1.0), None]);
+    // A newer one that came while the report was under way goes with the next.
+    latest.set(with(3));
+    latest.acknowledge(&news);
+    let news = latest.news();
+    assert_eq!(news.preview.as_ref().unwrap().iteration, 3);
+    latest.acknowledge(&news);
+    assert!(latest.news().preview.is_none());
 }
 
 fn models(latest: &LatestProgress) -> Vec<(String, u32)> {
@@ -53,7 +94,7 @@ fn every_loss_is_reported_though_progress_is_not() {
     latest.set(progress(Stage::Search, "bending", 6));
     // A report that failed is sent again, with later losses.
     assert_eq!(latest.news().losses.len(), 6);
-    latest.acknowledge(&news.losses);
+    latest.acknowledge(&news);
     assert_eq!(latest.news().losses.iter().map(|l| l.iteration).collect::<Vec<_>>(), [6]);
 }
 

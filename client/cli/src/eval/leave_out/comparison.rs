@@ -254,12 +254,12 @@ impl LeftOut {
     /// Error of the twins of one recording, a mean over them [m].
     pub(super) fn one_m(&self) -> Option<f64> {
         let measure = self.measure()?;
-        mean(self.from_one.iter().filter_map(|p| measure(&p.scores?.twin)))
+        mean(self.from_one.iter().filter_map(|p| measure.of(&p.scores?.twin)))
     }
 
     /// Error of the twin of all other recordings [m].
     pub(super) fn all_m(&self) -> Option<f64> {
-        self.measure()?(&self.from_all.as_ref()?.scores?.twin)
+        self.measure()?.of(&self.from_all.as_ref()?.scores?.twin)
     }
 
     fn mean_m(&self, of: fn(&Scores) -> ErrorSummary) -> Option<f64> {

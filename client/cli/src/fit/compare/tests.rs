@@ -31,6 +31,7 @@ fn details(seed: u64, capture: CaptureId, track_mm: f64, loss: f64) -> Details {
         tags: Vec::new(),
         owner: String::new(),
         error_m: None,
+        measure: None,
         requirements: bendtwin_client::Requirements::default(),
     };
     let curve = LossCurve {
@@ -39,6 +40,7 @@ fn details(seed: u64, capture: CaptureId, track_mm: f64, loss: f64) -> Details {
         iterations: vec![1, 2],
         losses: vec![None, Some(loss)],
         best_losses: vec![None, Some(loss)],
+        errors_m: vec![None, None],
     };
     let quality: Quality = serde_json::from_value(serde_json::json!({"scores": [{
         "predictor": "bending", "train": {"track_m": 0.001},

@@ -31,6 +31,7 @@ from bendtwin.labels import (
 from bendtwin.resources import (
     Capture,
     Fit,
+    FitPreview,
     JobState,
     LossCurve,
     OwnerUsage,
@@ -323,6 +324,12 @@ class Client:
         """The losses of a fit, by stage and model. They are kept until the fit is deleted."""
         name = fit if isinstance(fit, str) else fit.name
         return await self._caller.run(calls.fit_losses(name))
+
+    async def fit_preview(self, fit: Fit | str) -> FitPreview:
+        """What a running fit has so far; raises NotFound before there is something, and once the
+        fit has a twin."""
+        name = fit if isinstance(fit, str) else fit.name
+        return await self._caller.run(calls.fit_preview(name))
 
     async def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; an ended fit is returned unchanged."""

@@ -24,10 +24,12 @@ _sym_db = _symbol_database.Default()
 
 from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from bendtwin.v1 import job_pb2 as bendtwin_dot_v1_dot_job__pb2
+from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 from google.protobuf import field_mask_pb2 as google_dot_protobuf_dot_field__mask__pb2
+from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/fit.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x15\x62\x65ndtwin/v1/job.proto\x1a google/protobuf/field_mask.proto\"\xb5\x02\n\x03\x46it\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x14\n\x04twin\x18\x03 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x10\n\x08priority\x18\x04 \x01(\x05\x12%\n\x03job\x18\x05 \x01(\x0b\x32\x10.bendtwin.v1.JobB\x06\x8a\xb5\x18\x02\x08\x03\x12\x1c\n\x0c\x64isplay_name\x18\x06 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04note\x18\x07 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04tags\x18\x08 \x03(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x1c\n\x07\x65rror_m\x18\t \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x00\x88\x01\x01\x12\r\n\x05owner\x18\n \x01(\t\x12=\n\x0crequirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirementsB\x06\x8a\xb5\x18\x02\x08\x03\x42\n\n\x08_error_m\"\xbd\x01\n\x10\x43reateFitRequest\x12\x17\n\x07\x63\x61pture\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\x1d\n\rsettings_json\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12\x10\n\x08priority\x18\x03 \x01(\x05\x12\x12\n\nrequest_id\x18\x04 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x05 \x01(\t\x12\x35\n\x0crequirements\x18\x06 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"\x1d\n\rGetFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb1\x02\n\x0fListFitsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12N\n\x07\x63\x61pture\x18\x03 \x01(\tB=\x8a\xb5\x18\x39\"7^(captures/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$\x12%\n\x05state\x18\x04 \x01(\x0e\x32\x16.bendtwin.v1.Job.State\x12\x17\n\x06search\x18\x05 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\x12\x0b\n\x03tag\x18\x06 \x01(\t\x12\x42\n\x08order_by\x18\x07 \x01(\tB0\x8a\xb5\x18,\"*^((create_time|name|error)( asc| desc)?)?$\x12\x16\n\x05owner\x18\x08 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\"s\n\x10ListFitsResponse\x12\x1e\n\x04\x66its\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Fit\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\x12\x17\n\ntotal_size\x18\x03 \x01(\rH\x00\x88\x01\x01\x42\r\n\x0b_total_size\"\x89\x01\n\x10UpdateFitRequest\x12\x1d\n\x03\x66it\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.Fit\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"#\n\x13GetFitLossesRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb3\x01\n\tFitLosses\x12\x30\n\x06\x63urves\x18\x01 \x03(\x0b\x32 .bendtwin.v1.FitLosses.LossCurve\x1at\n\tLossCurve\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x12\n\niterations\x18\x03 \x03(\r\x12\x16\n\x06losses\x18\x04 \x03(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02\x12\x1b\n\x0b\x62\x65st_losses\x18\x05 \x03(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02\" \n\x10\x43\x61ncelFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"/\n\x10\x44\x65leteFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05purge\x18\x02 \x01(\x08\"\x13\n\x11\x44\x65leteFitResponse\"7\n\x0fWatchFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\x32\x91\x06\n\nFitService\x12]\n\tCreateFit\x12\x1d.bendtwin.v1.CreateFitRequest\x1a\x10.bendtwin.v1.Fit\"\x1f\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x13\x12\x08/v1/fits0\xca\x01:\x04name\x12O\n\x06GetFit\x12\x1a.bendtwin.v1.GetFitRequest\x1a\x10.bendtwin.v1.Fit\"\x17\x88\xb5\x18\x07\x9a\xb5\x18\x0f\n\r/v1/fits/{id}\x12[\n\x08ListFits\x12\x1c.bendtwin.v1.ListFitsRequest\x1a\x1d.bendtwin.v1.ListFitsResponse\"\x12\x88\xb5\x18\x07\x9a\xb5\x18\n\n\x08/v1/fits\x12\x63\n\tUpdateFit\x12\x1d.bendtwin.v1.UpdateFitRequest\x1a\x10.bendtwin.v1.Fit\"%\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x19\x1a\r/v1/fits/{id}*\x08\x66it.name\x12h\n\x0cGetFitLosses\x12 .bendtwin.v1.GetFitLossesRequest\x1a\x16.bendtwin.v1.FitLosses\"\x1e\x88\xb5\x18\x07\x9a\xb5\x18\x16\n\x14/v1/fits/{id}/losses\x12`\n\tCancelFit\x12\x1d.bendtwin.v1.CancelFitRequest\x1a\x10.bendtwin.v1.Fit\"\"\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x16\x12\x14/v1/fits/{id}/cancel\x12g\n\tDeleteFit\x12\x1d.bendtwin.v1.DeleteFitRequest\x1a\x1e.bendtwin.v1.DeleteFitResponse\"\x1b\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x0f\"\r/v1/fits/{id}\x12\\\n\x08WatchFit\x12\x1c.bendtwin.v1.WatchFitRequest\x1a\x10.bendtwin.v1.Fit\"\x1e\x88\xb5\x18\x07\x9a\xb5\x18\x16\n\x14/v1/fits/{id}/events0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/fit.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x15\x62\x65ndtwin/v1/job.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a google/protobuf/field_mask.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\xce\x02\n\x03\x46it\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x14\n\x04twin\x18\x03 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x12\x10\n\x08priority\x18\x04 \x01(\x05\x12%\n\x03job\x18\x05 \x01(\x0b\x32\x10.bendtwin.v1.JobB\x06\x8a\xb5\x18\x02\x08\x03\x12\x1c\n\x0c\x64isplay_name\x18\x06 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04note\x18\x07 \x01(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x14\n\x04tags\x18\x08 \x03(\tB\x06\x8a\xb5\x18\x02\x10\x01\x12\x1c\n\x07\x65rror_m\x18\t \x01(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02H\x00\x88\x01\x01\x12\r\n\x05owner\x18\n \x01(\t\x12=\n\x0crequirements\x18\x0b \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirementsB\x06\x8a\xb5\x18\x02\x08\x03\x12\x17\n\x07measure\x18\x0c \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\x42\n\n\x08_error_m\"\xbd\x01\n\x10\x43reateFitRequest\x12\x17\n\x07\x63\x61pture\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\x1d\n\rsettings_json\x18\x02 \x01(\tB\x06\x8a\xb5\x18\x02\x08\x01\x12\x10\n\x08priority\x18\x03 \x01(\x05\x12\x12\n\nrequest_id\x18\x04 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x05 \x01(\t\x12\x35\n\x0crequirements\x18\x06 \x01(\x0b\x32\x1f.bendtwin.v1.WorkerRequirements\"\x1d\n\rGetFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb1\x02\n\x0fListFitsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12N\n\x07\x63\x61pture\x18\x03 \x01(\tB=\x8a\xb5\x18\x39\"7^(captures/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$\x12%\n\x05state\x18\x04 \x01(\x0e\x32\x16.bendtwin.v1.Job.State\x12\x17\n\x06search\x18\x05 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\x12\x0b\n\x03tag\x18\x06 \x01(\t\x12\x42\n\x08order_by\x18\x07 \x01(\tB0\x8a\xb5\x18,\"*^((create_time|name|error)( asc| desc)?)?$\x12\x16\n\x05owner\x18\x08 \x01(\tB\x07\x8a\xb5\x18\x03(\xc8\x01\"s\n\x10ListFitsResponse\x12\x1e\n\x04\x66its\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Fit\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\x12\x17\n\ntotal_size\x18\x03 \x01(\rH\x00\x88\x01\x01\x42\r\n\x0b_total_size\"\x89\x01\n\x10UpdateFitRequest\x12\x1d\n\x03\x66it\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.Fit\x12/\n\x0bupdate_mask\x18\x02 \x01(\x0b\x32\x1a.google.protobuf.FieldMask\x12\x10\n\x08\x61\x64\x64_tags\x18\x03 \x03(\t\x12\x13\n\x0bremove_tags\x18\x04 \x03(\t\"#\n\x13GetFitLossesRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xce\x01\n\tFitLosses\x12\x30\n\x06\x63urves\x18\x01 \x03(\x0b\x32 .bendtwin.v1.FitLosses.LossCurve\x1a\x8e\x01\n\tLossCurve\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x12\n\niterations\x18\x03 \x03(\r\x12\x16\n\x06losses\x18\x04 \x03(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02\x12\x1b\n\x0b\x62\x65st_losses\x18\x05 \x03(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02\x12\x18\n\x08\x65rrors_m\x18\x06 \x03(\x01\x42\x06\x8a\xb5\x18\x02\x08\x02\"$\n\x14GetFitPreviewRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\xb7\x02\n\nFitPreview\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x11\n\titeration\x18\x03 \x01(\r\x12\x37\n\x0b\x63reate_time\x18\x04 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x10\n\x08sequence\x18\x05 \x01(\r\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tpositions\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0f\n\x07measure\x18\x08 \x01(\t\x12\x0f\n\x07\x65rror_m\x18\t \x01(\x01\x12\x18\n\x0bheld_back_m\x18\n \x01(\x01H\x00\x88\x01\x01\x12\x12\n\nbaseline_m\x18\x0b \x01(\x01\x42\x0e\n\x0c_held_back_m\" \n\x10\x43\x61ncelFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"/\n\x10\x44\x65leteFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05purge\x18\x02 \x01(\x08\"\x13\n\x11\x44\x65leteFitResponse\"7\n\x0fWatchFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\x32\x81\x07\n\nFitService\x12]\n\tCreateFit\x12\x1d.bendtwin.v1.CreateFitRequest\x1a\x10.bendtwin.v1.Fit\"\x1f\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x13\x12\x08/v1/fits0\xca\x01:\x04name\x12O\n\x06GetFit\x12\x1a.bendtwin.v1.GetFitRequest\x1a\x10.bendtwin.v1.Fit\"\x17\x88\xb5\x18\x07\x9a\xb5\x18\x0f\n\r/v1/fits/{id}\x12[\n\x08ListFits\x12\x1c.bendtwin.v1.ListFitsRequest\x1a\x1d.bendtwin.v1.ListFitsResponse\"\x12\x88\xb5\x18\x07\x9a\xb5\x18\n\n\x08/v1/fits\x12\x63\n\tUpdateFit\x12\x1d.bendtwin.v1.UpdateFitRequest\x1a\x10.bendtwin.v1.Fit\"%\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x19\x1a\r/v1/fits/{id}*\x08\x66it.name\x12h\n\x0cGetFitLosses\x12 .bendtwin.v1.GetFitLossesRequest\x1a\x16.bendtwin.v1.FitLosses\"\x1e\x88\xb5\x18\x07\x9a\xb5\x18\x16\n\x14/v1/fits/{id}/losses\x12n\n\rGetFitPreview\x12!.bendtwin.v1.GetFitPreviewRequest\x1a\x17.bendtwin.v1.FitPreview\"!\x88\xb5\x18\x07\x9a\xb5\x18\x19\n\x15/v1/fits/{id}/previewH\x01\x12`\n\tCancelFit\x12\x1d.bendtwin.v1.CancelFitRequest\x1a\x10.bendtwin.v1.Fit\"\"\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x16\x12\x14/v1/fits/{id}/cancel\x12g\n\tDeleteFit\x12\x1d.bendtwin.v1.DeleteFitRequest\x1a\x1e.bendtwin.v1.DeleteFitResponse\"\x1b\x88\xb5\x18\x08\x90\xb5\x18\x01\x9a\xb5\x18\x0f\"\r/v1/fits/{id}\x12\\\n\x08WatchFit\x12\x1c.bendtwin.v1.WatchFitRequest\x1a\x10.bendtwin.v1.Fit\"\x1e\x88\xb5\x18\x07\x9a\xb5\x18\x16\n\x14/v1/fits/{id}/events0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -48,6 +50,8 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_FIT'].fields_by_name['error_m']._serialized_options = b'\212\265\030\002\010\002'
   _globals['_FIT'].fields_by_name['requirements']._loaded_options = None
   _globals['_FIT'].fields_by_name['requirements']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_FIT'].fields_by_name['measure']._loaded_options = None
+  _globals['_FIT'].fields_by_name['measure']._serialized_options = b'\212\265\030\002\010\002'
   _globals['_CREATEFITREQUEST'].fields_by_name['capture']._loaded_options = None
   _globals['_CREATEFITREQUEST'].fields_by_name['capture']._serialized_options = b'\212\265\030\002\030\001'
   _globals['_CREATEFITREQUEST'].fields_by_name['settings_json']._loaded_options = None
@@ -64,6 +68,10 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_FITLOSSES_LOSSCURVE'].fields_by_name['losses']._serialized_options = b'\212\265\030\002\010\002'
   _globals['_FITLOSSES_LOSSCURVE'].fields_by_name['best_losses']._loaded_options = None
   _globals['_FITLOSSES_LOSSCURVE'].fields_by_name['best_losses']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_FITLOSSES_LOSSCURVE'].fields_by_name['errors_m']._loaded_options = None
+  _globals['_FITLOSSES_LOSSCURVE'].fields_by_name['errors_m']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_FITPREVIEW'].fields_by_name['create_time']._loaded_options = None
+  _globals['_FITPREVIEW'].fields_by_name['create_time']._serialized_options = b'\212\265\030\002\010\003'
   _globals['_FITSERVICE'].methods_by_name['CreateFit']._loaded_options = None
   _globals['_FITSERVICE'].methods_by_name['CreateFit']._serialized_options = b'\210\265\030\010\220\265\030\001\232\265\030\023\022\010/v1/fits0\312\001:\004name'
   _globals['_FITSERVICE'].methods_by_name['GetFit']._loaded_options = None
@@ -74,38 +82,44 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_FITSERVICE'].methods_by_name['UpdateFit']._serialized_options = b'\210\265\030\010\220\265\030\001\232\265\030\031\032\r/v1/fits/{id}*\010fit.name'
   _globals['_FITSERVICE'].methods_by_name['GetFitLosses']._loaded_options = None
   _globals['_FITSERVICE'].methods_by_name['GetFitLosses']._serialized_options = b'\210\265\030\007\232\265\030\026\n\024/v1/fits/{id}/losses'
+  _globals['_FITSERVICE'].methods_by_name['GetFitPreview']._loaded_options = None
+  _globals['_FITSERVICE'].methods_by_name['GetFitPreview']._serialized_options = b'\210\265\030\007\232\265\030\031\n\025/v1/fits/{id}/previewH\001'
   _globals['_FITSERVICE'].methods_by_name['CancelFit']._loaded_options = None
   _globals['_FITSERVICE'].methods_by_name['CancelFit']._serialized_options = b'\210\265\030\010\220\265\030\001\232\265\030\026\022\024/v1/fits/{id}/cancel'
   _globals['_FITSERVICE'].methods_by_name['DeleteFit']._loaded_options = None
   _globals['_FITSERVICE'].methods_by_name['DeleteFit']._serialized_options = b'\210\265\030\010\220\265\030\001\232\265\030\017\"\r/v1/fits/{id}'
   _globals['_FITSERVICE'].methods_by_name['WatchFit']._loaded_options = None
   _globals['_FITSERVICE'].methods_by_name['WatchFit']._serialized_options = b'\210\265\030\007\232\265\030\026\n\024/v1/fits/{id}/events'
-  _globals['_FIT']._serialized_start=123
-  _globals['_FIT']._serialized_end=432
-  _globals['_CREATEFITREQUEST']._serialized_start=435
-  _globals['_CREATEFITREQUEST']._serialized_end=624
-  _globals['_GETFITREQUEST']._serialized_start=626
-  _globals['_GETFITREQUEST']._serialized_end=655
-  _globals['_LISTFITSREQUEST']._serialized_start=658
-  _globals['_LISTFITSREQUEST']._serialized_end=963
-  _globals['_LISTFITSRESPONSE']._serialized_start=965
-  _globals['_LISTFITSRESPONSE']._serialized_end=1080
-  _globals['_UPDATEFITREQUEST']._serialized_start=1083
-  _globals['_UPDATEFITREQUEST']._serialized_end=1220
-  _globals['_GETFITLOSSESREQUEST']._serialized_start=1222
-  _globals['_GETFITLOSSESREQUEST']._serialized_end=1257
-  _globals['_FITLOSSES']._serialized_start=1260
-  _globals['_FITLOSSES']._serialized_end=1439
-  _globals['_FITLOSSES_LOSSCURVE']._serialized_start=1323
-  _globals['_FITLOSSES_LOSSCURVE']._serialized_end=1439
-  _globals['_CANCELFITREQUEST']._serialized_start=1441
-  _globals['_CANCELFITREQUEST']._serialized_end=1473
-  _globals['_DELETEFITREQUEST']._serialized_start=1475
-  _globals['_DELETEFITREQUEST']._serialized_end=1522
-  _globals['_DELETEFITRESPONSE']._serialized_start=1524
-  _globals['_DELETEFITRESPONSE']._serialized_end=1543
-  _globals['_WATCHFITREQUEST']._serialized_start=1545
-  _globals['_WATCHFITREQUEST']._serialized_end=1600
-  _globals['_FITSERVICE']._serialized_start=1603
-  _globals['_FITSERVICE']._serialized_end=2388
+  _globals['_FIT']._serialized_start=182
+  _globals['_FIT']._serialized_end=516
+  _globals['_CREATEFITREQUEST']._serialized_start=519
+  _globals['_CREATEFITREQUEST']._serialized_end=708
+  _globals['_GETFITREQUEST']._serialized_start=710
+  _globals['_GETFITREQUEST']._serialized_end=739
+  _globals['_LISTFITSREQUEST']._serialized_start=742
+  _globals['_LISTFITSREQUEST']._serialized_end=1047
+  _globals['_LISTFITSRESPONSE']._serialized_start=1049
+  _globals['_LISTFITSRESPONSE']._serialized_end=1164
+  _globals['_UPDATEFITREQUEST']._serialized_start=1167
+  _globals['_UPDATEFITREQUEST']._serialized_end=1304
+  _globals['_GETFITLOSSESREQUEST']._serialized_start=1306
+  _globals['_GETFITLOSSESREQUEST']._serialized_end=1341
+  _globals['_FITLOSSES']._serialized_start=1344
+  _globals['_FITLOSSES']._serialized_end=1550
+  _globals['_FITLOSSES_LOSSCURVE']._serialized_start=1408
+  _globals['_FITLOSSES_LOSSCURVE']._serialized_end=1550
+  _globals['_GETFITPREVIEWREQUEST']._serialized_start=1552
+  _globals['_GETFITPREVIEWREQUEST']._serialized_end=1588
+  _globals['_FITPREVIEW']._serialized_start=1591
+  _globals['_FITPREVIEW']._serialized_end=1902
+  _globals['_CANCELFITREQUEST']._serialized_start=1904
+  _globals['_CANCELFITREQUEST']._serialized_end=1936
+  _globals['_DELETEFITREQUEST']._serialized_start=1938
+  _globals['_DELETEFITREQUEST']._serialized_end=1985
+  _globals['_DELETEFITRESPONSE']._serialized_start=1987
+  _globals['_DELETEFITRESPONSE']._serialized_end=2006
+  _globals['_WATCHFITREQUEST']._serialized_start=2008
+  _globals['_WATCHFITREQUEST']._serialized_end=2063
+  _globals['_FITSERVICE']._serialized_start=2066
+  _globals['_FITSERVICE']._serialized_end=2963
 # @@protoc_insertion_point(module_scope)

@@ -1,6 +1,10 @@
+import datetime
+
 from bendtwin.v1 import options_pb2 as _options_pb2
 from bendtwin.v1 import job_pb2 as _job_pb2
+from bendtwin.v1 import tensor_pb2 as _tensor_pb2
 from google.protobuf import field_mask_pb2 as _field_mask_pb2
+from google.protobuf import timestamp_pb2 as _timestamp_pb2
 from google.protobuf.internal import containers as _containers
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
@@ -10,7 +14,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Fit(_message.Message):
-    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner", "requirements")
+    __slots__ = ("name", "capture", "twin", "priority", "job", "display_name", "note", "tags", "error_m", "owner", "requirements", "measure")
     NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
     TWIN_FIELD_NUMBER: _ClassVar[int]
@@ -22,6 +26,7 @@ class Fit(_message.Message):
     ERROR_M_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
     REQUIREMENTS_FIELD_NUMBER: _ClassVar[int]
+    MEASURE_FIELD_NUMBER: _ClassVar[int]
     name: str
     capture: str
     twin: str
@@ -33,7 +38,8 @@ class Fit(_message.Message):
     error_m: float
     owner: str
     requirements: _job_pb2.WorkerRequirements
-    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ..., requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ...) -> None: ...
+    measure: str
+    def __init__(self, name: _Optional[str] = ..., capture: _Optional[str] = ..., twin: _Optional[str] = ..., priority: _Optional[int] = ..., job: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., display_name: _Optional[str] = ..., note: _Optional[str] = ..., tags: _Optional[_Iterable[str]] = ..., error_m: _Optional[float] = ..., owner: _Optional[str] = ..., requirements: _Optional[_Union[_job_pb2.WorkerRequirements, _Mapping]] = ..., measure: _Optional[str] = ...) -> None: ...
 
 class CreateFitRequest(_message.Message):
     __slots__ = ("capture", "settings_json", "priority", "request_id", "display_name", "requirements")
@@ -108,21 +114,55 @@ class GetFitLossesRequest(_message.Message):
 class FitLosses(_message.Message):
     __slots__ = ("curves",)
     class LossCurve(_message.Message):
-        __slots__ = ("stage", "variant", "iterations", "losses", "best_losses")
+        __slots__ = ("stage", "variant", "iterations", "losses", "best_losses", "errors_m")
         STAGE_FIELD_NUMBER: _ClassVar[int]
         VARIANT_FIELD_NUMBER: _ClassVar[int]
         ITERATIONS_FIELD_NUMBER: _ClassVar[int]
         LOSSES_FIELD_NUMBER: _ClassVar[int]
         BEST_LOSSES_FIELD_NUMBER: _ClassVar[int]
+        ERRORS_M_FIELD_NUMBER: _ClassVar[int]
         stage: str
         variant: str
         iterations: _containers.RepeatedScalarFieldContainer[int]
         losses: _containers.RepeatedScalarFieldContainer[float]
         best_losses: _containers.RepeatedScalarFieldContainer[float]
-        def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iterations: _Optional[_Iterable[int]] = ..., losses: _Optional[_Iterable[float]] = ..., best_losses: _Optional[_Iterable[float]] = ...) -> None: ...
+        errors_m: _containers.RepeatedScalarFieldContainer[float]
+        def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iterations: _Optional[_Iterable[int]] = ..., losses: _Optional[_Iterable[float]] = ..., best_losses: _Optional[_Iterable[float]] = ..., errors_m: _Optional[_Iterable[float]] = ...) -> None: ...
     CURVES_FIELD_NUMBER: _ClassVar[int]
     curves: _containers.RepeatedCompositeFieldContainer[FitLosses.LossCurve]
     def __init__(self, curves: _Optional[_Iterable[_Union[FitLosses.LossCurve, _Mapping]]] = ...) -> None: ...
+
+class GetFitPreviewRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class FitPreview(_message.Message):
+    __slots__ = ("stage", "variant", "iteration", "create_time", "sequence", "frames", "positions", "measure", "error_m", "held_back_m", "baseline_m")
+    STAGE_FIELD_NUMBER: _ClassVar[int]
+    VARIANT_FIELD_NUMBER: _ClassVar[int]
+    ITERATION_FIELD_NUMBER: _ClassVar[int]
+    CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
+    SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_FIELD_NUMBER: _ClassVar[int]
+    POSITIONS_FIELD_NUMBER: _ClassVar[int]
+    MEASURE_FIELD_NUMBER: _ClassVar[int]
+    ERROR_M_FIELD_NUMBER: _ClassVar[int]
+    HELD_BACK_M_FIELD_NUMBER: _ClassVar[int]
+    BASELINE_M_FIELD_NUMBER: _ClassVar[int]
+    stage: str
+    variant: str
+    iteration: int
+    create_time: _timestamp_pb2.Timestamp
+    sequence: int
+    frames: _tensor_pb2.Tensor
+    positions: _tensor_pb2.Tensor
+    measure: str
+    error_m: float
+    held_back_m: float
+    baseline_m: float
+    def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iteration: _Optional[int] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., sequence: _Optional[int] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., measure: _Optional[str] = ..., error_m: _Optional[float] = ..., held_back_m: _Optional[float] = ..., baseline_m: _Optional[float] = ...) -> None: ...
 
 class CancelFitRequest(_message.Message):
     __slots__ = ("name",)

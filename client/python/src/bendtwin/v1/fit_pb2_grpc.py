@@ -60,6 +60,11 @@ class FitServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_fit__pb2.GetFitLossesRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_fit__pb2.FitLosses.FromString,
                 _registered_method=True)
+        self.GetFitPreview = channel.unary_unary(
+                '/bendtwin.v1.FitService/GetFitPreview',
+                request_serializer=bendtwin_dot_v1_dot_fit__pb2.GetFitPreviewRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_fit__pb2.FitPreview.FromString,
+                _registered_method=True)
         self.CancelFit = channel.unary_unary(
                 '/bendtwin.v1.FitService/CancelFit',
                 request_serializer=bendtwin_dot_v1_dot_fit__pb2.CancelFitRequest.SerializeToString,
@@ -109,6 +114,15 @@ class FitServiceServicer(object):
 
     def GetFitLosses(self, request, context):
         """The losses of all iterations so far, by stage and model. They stay until the fit is deleted.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def GetFitPreview(self, request, context):
+        """What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few
+        iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason
+        PREVIEW_MISSING where there is none.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -164,6 +178,11 @@ def add_FitServiceServicer_to_server(servicer, server):
                     servicer.GetFitLosses,
                     request_deserializer=bendtwin_dot_v1_dot_fit__pb2.GetFitLossesRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_fit__pb2.FitLosses.SerializeToString,
+            ),
+            'GetFitPreview': grpc.unary_unary_rpc_method_handler(
+                    servicer.GetFitPreview,
+                    request_deserializer=bendtwin_dot_v1_dot_fit__pb2.GetFitPreviewRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_fit__pb2.FitPreview.SerializeToString,
             ),
             'CancelFit': grpc.unary_unary_rpc_method_handler(
                     servicer.CancelFit,
@@ -317,6 +336,33 @@ class FitService(object):
             '/bendtwin.v1.FitService/GetFitLosses',
             bendtwin_dot_v1_dot_fit__pb2.GetFitLossesRequest.SerializeToString,
             bendtwin_dot_v1_dot_fit__pb2.FitLosses.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def GetFitPreview(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.FitService/GetFitPreview',
+            bendtwin_dot_v1_dot_fit__pb2.GetFitPreviewRequest.SerializeToString,
+            bendtwin_dot_v1_dot_fit__pb2.FitPreview.FromString,
             options,
             channel_credentials,
             insecure,

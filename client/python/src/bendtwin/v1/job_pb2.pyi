@@ -57,7 +57,7 @@ class Job(_message.Message):
     def __init__(self, state: _Optional[_Union[Job.State, str]] = ..., settings_json: _Optional[str] = ..., progress: _Optional[_Union[Progress, _Mapping]] = ..., fault: _Optional[_Union[_fault_pb2.Fault, _Mapping]] = ..., attempt_faults: _Optional[_Iterable[_Union[_fault_pb2.Fault, _Mapping]]] = ..., attempts: _Optional[int] = ..., worker: _Optional[str] = ..., cancel_requested: bool = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., start_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., end_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revision: _Optional[int] = ..., run_s: _Optional[float] = ...) -> None: ...
 
 class Progress(_message.Message):
-    __slots__ = ("stage", "variant", "iteration", "iterations", "fraction", "loss", "best_loss", "eta_s", "note", "models")
+    __slots__ = ("stage", "variant", "iteration", "iterations", "fraction", "loss", "best_loss", "eta_s", "note", "models", "error_m")
     STAGE_FIELD_NUMBER: _ClassVar[int]
     VARIANT_FIELD_NUMBER: _ClassVar[int]
     ITERATION_FIELD_NUMBER: _ClassVar[int]
@@ -68,6 +68,7 @@ class Progress(_message.Message):
     ETA_S_FIELD_NUMBER: _ClassVar[int]
     NOTE_FIELD_NUMBER: _ClassVar[int]
     MODELS_FIELD_NUMBER: _ClassVar[int]
+    ERROR_M_FIELD_NUMBER: _ClassVar[int]
     stage: str
     variant: str
     iteration: int
@@ -78,21 +79,24 @@ class Progress(_message.Message):
     eta_s: float
     note: str
     models: _containers.RepeatedCompositeFieldContainer[ModelLoss]
-    def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iteration: _Optional[int] = ..., iterations: _Optional[int] = ..., fraction: _Optional[float] = ..., loss: _Optional[float] = ..., best_loss: _Optional[float] = ..., eta_s: _Optional[float] = ..., note: _Optional[str] = ..., models: _Optional[_Iterable[_Union[ModelLoss, _Mapping]]] = ...) -> None: ...
+    error_m: float
+    def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iteration: _Optional[int] = ..., iterations: _Optional[int] = ..., fraction: _Optional[float] = ..., loss: _Optional[float] = ..., best_loss: _Optional[float] = ..., eta_s: _Optional[float] = ..., note: _Optional[str] = ..., models: _Optional[_Iterable[_Union[ModelLoss, _Mapping]]] = ..., error_m: _Optional[float] = ...) -> None: ...
 
 class ModelLoss(_message.Message):
-    __slots__ = ("stage", "variant", "iteration", "loss", "best_loss")
+    __slots__ = ("stage", "variant", "iteration", "loss", "best_loss", "error_m")
     STAGE_FIELD_NUMBER: _ClassVar[int]
     VARIANT_FIELD_NUMBER: _ClassVar[int]
     ITERATION_FIELD_NUMBER: _ClassVar[int]
     LOSS_FIELD_NUMBER: _ClassVar[int]
     BEST_LOSS_FIELD_NUMBER: _ClassVar[int]
+    ERROR_M_FIELD_NUMBER: _ClassVar[int]
     stage: str
     variant: str
     iteration: int
     loss: float
     best_loss: float
-    def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iteration: _Optional[int] = ..., loss: _Optional[float] = ..., best_loss: _Optional[float] = ...) -> None: ...
+    error_m: float
+    def __init__(self, stage: _Optional[str] = ..., variant: _Optional[str] = ..., iteration: _Optional[int] = ..., loss: _Optional[float] = ..., best_loss: _Optional[float] = ..., error_m: _Optional[float] = ...) -> None: ...
 
 class WorkerRequirements(_message.Message):
     __slots__ = ("backend", "memory_bytes", "labels")

@@ -65,7 +65,7 @@ fn jobs_are_json_with_words_nulls_and_nested_settings() {
     let expected = concat!(
         r#"{"state":"RUNNING","settings":{"seed":7},"#,
         r#""progress":{"stage":"search","variant":"","iteration":0,"iterations":0,"fraction":0.0,"#,
-        r#""loss":0.5,"best_loss":null,"eta_s":null,"note":null,"models":[]},"#,
+        r#""loss":0.5,"best_loss":null,"eta_s":null,"note":null,"models":[],"error_m":null},"#,
         r#""fault":null,"attempt_faults":[],"attempts":0,"worker":null,"cancel_requested":false,"#,
         r#""create_time":"1970-01-01T00:01:00Z","start_time":null,"end_time":null,"revision":0,"#,
         r#""run_s":0.0}"#,

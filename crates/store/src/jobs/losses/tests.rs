@@ -16,7 +16,9 @@ on_both! {
 
 fn loss(stage: Stage, variant: &str, iteration: u32) -> ModelLoss {
     let loss = Some(1.0 / f64::from(iteration));
-    ModelLoss { stage, variant: variant.to_owned(), iteration, loss, best_loss: loss }
+    // Only some have a preview.
+    let error_m = loss.filter(|_| iteration % 2 == 0);
+    ModelLoss { stage, variant: variant.to_owned(), iteration, loss, best_loss: loss, error_m }
 }
 
 fn refined(iterations: impl IntoIterator<Item = u32>) -> Vec<ModelLoss> {

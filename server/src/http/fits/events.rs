@@ -11,16 +11,16 @@ use bendtwin_proto::json::{TensorFormat, Write};
 use futures::{Stream, StreamExt};
 use serde::Serialize;
 
-use super::{Result, extract::Id};
 use crate::{
     app::{self, App},
     grpc::convert,
+    http::{Result, extract::Id},
 };
 
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
 /// Watch a fit
-pub(super) async fn watch(
+pub(in crate::http) async fn watch(
     State(app): State<App>,
     Id(id): Id,
     headers: HeaderMap,
@@ -30,7 +30,7 @@ pub(super) async fn watch(
 }
 
 /// Watch a capture being read
-pub(super) async fn watch_ingest(
+pub(in crate::http) async fn watch_ingest(
     State(app): State<App>,
     Id(id): Id,
     headers: HeaderMap,
