@@ -16,6 +16,7 @@ mod receive;
 mod renewed;
 mod requirements;
 mod rights;
+mod shares;
 mod simulation;
 mod storage;
 mod sweeps;
@@ -65,6 +66,8 @@ pub(crate) use projects::ProjectOrder;
 pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
 pub(crate) use rights::{name, name_of_worker, whole_name};
+pub(crate) use shares::ShareOrder;
+use shares::SharedPlays;
 pub(crate) use sweeps::Sweeps;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
 use workers::Members;
@@ -95,6 +98,7 @@ pub(crate) struct Inner {
     stored_numbers: StoredNumbers,
     memory: Memory,
     plays: Plays,
+    shared_plays: SharedPlays,
     members: Members,
     known_usage: KnownUsage,
     /// Notified when the disk may be short of space that the trash has.
@@ -145,6 +149,7 @@ impl App {
             readiness: Readiness::default(),
             stored_numbers: StoredNumbers::default(),
             memory,
+            shared_plays: SharedPlays::default(),
             plays: Plays::new(options.limits.plays(), stopping.clone()),
             stopping,
             certificates,
