@@ -1,5 +1,6 @@
 import { Vector3 } from 'three';
 import type { Page, PageContext } from '../page';
+import { visitedTwin } from '../api/visit';
 import { h } from '../ui/dom';
 import type { TwinShape } from '../view3d/shape';
 import { Driver } from './input/driver';
@@ -89,7 +90,7 @@ export class PlayPage implements Page, SocketListener {
     this.element = h('div', { class: 'play' },
       h('div', { class: 'play-main' }, this.#panels.bar, stage.element, this.#status.element),
       h('div', { class: 'play-panels' }, this.#panels.column,
-        h('p', { class: 'row' },
+        visitedTwin() === null && h('p', { class: 'row' },
           this.#watch,
           h('a', { href: `#/twins/${id}/view` }, 'Look at its springs and triplets'))));
   }

@@ -9,6 +9,8 @@ const DIST = fileURLToPath(new URL('../../dist/', import.meta.url));
  * stories run on changed sources without building the server again.
  */
 export async function serveDist(context: BrowserContext, url: string): Promise<void> {
+  // Chromium takes what a story answers for a page of the internet, which asks before it connects to this machine.
+  await context.grantPermissions(['local-network-access'], { origin: url });
   const { headers } = await fetch(url);
   const policy = headers.get('content-security-policy') ?? '';
   await context.route(

@@ -12,6 +12,7 @@ import { assessmentView, qualityView } from './assessment';
 import { evaluationView } from './evaluate';
 import { identifiabilityView } from './identifiability';
 import { parametersView } from './parameters';
+import { shareButton } from './share';
 import type { Quality } from './quality';
 
 /** The page of a twin: what it is worth, what it is made of, and what can be done with it. */
@@ -29,7 +30,7 @@ export const open: OpenPage = async (context) => {
   const element = h(
     'div',
     {},
-    h('div', { class: 'buttons' }, ...actions(context, capture, id, path, faults)),
+    h('div', { class: 'buttons' }, ...actions(context, capture, twin, path, faults)),
     faults,
     new LabelEditor<Twin>(context, 'twins', path, twin, setTitle).element,
     ...[assessmentView(quality)].filter((view) => view !== null),
@@ -46,10 +47,11 @@ export const open: OpenPage = async (context) => {
 function actions(
   context: PageContext,
   capture: Capture | null,
-  id: string,
+  twin: Twin,
   path: string,
   faults: HTMLElement,
 ): HTMLElement[] {
+  const id = idOf(twin.name);
   const own = capture === null ? {} : { capture: idOf(capture.name) };
   const question = { title: 'Delete this twin?', text: 'It goes to the trash, if this server has one. Its capture and its fit are kept.' };
   return [
@@ -60,6 +62,7 @@ function actions(
       : [h('a', { class: 'button', href: `#/captures/${own.capture}/playback?twin=${id}` }, 'Beside its recording')]),
     h('a', { class: 'button', href: `#/fits/new?${new URLSearchParams({ from: id, ...own })}` }, 'Refine'),
     download(context, 'Download the file', `${path}/content`, `${id}.safetensors`, faults),
+    shareButton(context, twin),
     deleteButton(context, path, question, '#/twins', faults),
   ];
 }
