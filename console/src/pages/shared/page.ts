@@ -115,7 +115,7 @@ function endOf(context: PageContext, error: unknown): HTMLElement | null {
   if (!(error instanceof Problem)) return null;
   const text = (title: string, advice: string): HTMLElement => {
     context.setTitle(title);
-    return h('div', { class: 'visit-end' }, h('p', { role: 'status' }, advice));
+    return h('p', { role: 'status' }, advice);
   };
   if (error.reason === 'SHARE_ENDED') {
     return text('This link has expired', 'Ask the person who sent it for a new one.');

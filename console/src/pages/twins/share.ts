@@ -66,7 +66,7 @@ function form(context: PageContext, id: string, moment: URLSearchParams, made: (
   return h('form', { onsubmit: (event) => void submit(event) },
     h('div', { class: 'shares-form' },
       field('Expires after', days),
-      field('For', whom, 'Shown in the list below, to you alone.')),
+      field('For', whom, 'For the list below. Visitors do not see it.')),
     h('label', {}, exports, ' Allow downloads of the twin'),
     h('div', { class: 'buttons' }, button),
     place);
