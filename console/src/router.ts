@@ -5,7 +5,9 @@ import { sleep } from './api/backoff';
 import { signOut } from './api/sign_in';
 import { Tabs } from './api/tabs';
 import { takeTokenFromAddress, token } from './api/token';
+import { visitedTwin } from './api/visit';
 import { load } from './load';
+import './pages/shared/shared.css';
 import type { Page, PageContext } from './page';
 import { ROUTES, match } from './routes';
 import { h } from './ui/dom';
@@ -51,7 +53,10 @@ class Router {
 
   start(): void {
     addEventListener('hashchange', () => void this.show(true));
-    this.api.onUnauthenticated = (problem) => void this.askForToken(problem.reason === SIGN_IN_ENDED);
+    this.api.onUnauthenticated = (problem) => {
+      // The page of a visit says what has become of its link.
+      if (visitedTwin() === null) void this.askForToken(problem.reason === SIGN_IN_ENDED);
+    };
     this.api.connection.addEventListener('back', () => {
       if (this.#isWaiting) void this.show(false);
     });
@@ -67,7 +72,9 @@ class Router {
     this.#isWaiting = false;
     const { signal } = (this.#left = new AbortController());
     const { path, search } = address();
-    this.frame.mark(path);
+    const isVisit = visitedTwin() !== null;
+    document.body.classList.toggle('is-visit', isVisit);
+    if (!isVisit) this.frame.mark(path);
     this.frame.status.textContent = '';
     const found = match(ROUTES, path);
     if (found === null) {
@@ -82,7 +89,7 @@ class Router {
     void this.sayThatItLoads(signal);
     try {
       const open = await load(found.route, this.api);
-      if (path !== LOGIN) await this.checkAccess(signal);
+      if (path !== LOGIN && !isVisit) await this.checkAccess(signal);
       if (signal.aborted) return;
       const opened = await open(context);
       if (signal.aborted) return opened.dispose?.();
@@ -168,7 +175,8 @@ function wayOn(path: string): HTMLElement | string {
 }
 
 function goToLogin(): void {
-  location.hash = `#${LOGIN}`;
+  // Who visits a twin was not logged in there.
+  if (visitedTwin() === null) location.hash = `#${LOGIN}`;
 }
 
 /** Path and query of the address behind its `#`. */

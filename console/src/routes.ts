@@ -27,6 +27,7 @@ export const ROUTES: readonly Route[] = [
   { path: '/login', open: () => import('./pages/login') },
   { path: '/twins/:id/view', open: () => import('./play/view_page') },
   { path: '/twins/:id/play', open: () => import('./play/page') },
+  { path: '/shared/:id', open: () => import('./pages/shared/page') },
   { path: '/plays/:id', open: () => import('./play/watch_page') },
 ];
 

@@ -2,28 +2,32 @@
 //! scopes. The table says which scope a route or an RPC takes, over both transports alike.
 
 pub(crate) mod client_token;
+mod ended;
 mod gate;
 mod in_flight;
 pub(crate) mod key;
 mod key_ring;
 mod refusals;
 mod scopes;
+mod share;
 mod table;
 mod tokens;
 
 use std::{sync::Arc, time::Instant};
 
-use bendtwin_core::{Category, Fault, ids::KeyId};
+use bendtwin_core::{Category, Fault, Problem as _, ids::KeyId};
 use bendtwin_store::{Creator, Memberships, Quotas};
 
 use crate::{audit, refusal::Refusal};
 
+pub(crate) use ended::Ended;
 pub(crate) use gate::Gate;
 pub(crate) use in_flight::{Flight, InFlight};
 pub(crate) use key_ring::{Holder, KeyRing};
 pub(crate) use refusals::{Refusals, Refused};
 pub use scopes::Scope;
 pub(crate) use scopes::{Grant, Scopes};
+pub(crate) use share::{EXPORT, Limited, SHARE, SharedTwin, may_export, share_of};
 pub use table::{Access, TABLE};
 pub(crate) use table::{PAGES, find, is_open, route_name};
 pub(crate) use tokens::{Bearer, Child, Tokens};
@@ -40,6 +44,8 @@ pub(crate) struct Caller {
     pub(crate) owner: Arc<str>,
     pub(crate) scopes: Scopes,
     pub(crate) quotas: Quotas,
+    /// The share that it shows, which limits it to a twin.
+    pub(crate) share: Option<SharedTwin>,
     /// The projects of all owners.
     memberships: Arc<Memberships>,
     /// Calls under way of all callers.
@@ -62,10 +68,15 @@ impl Caller {
     /// The holder of a key. Words that are not scopes allow nothing.
     fn with_key(holder: &Holder, in_flight: InFlight) -> Self {
         let Holder { key, memberships } = holder;
+        let share = SharedTwin::of(key);
         Self {
             key: Some(key.id),
             owner: key.owner.as_str().into(),
-            scopes: key.scopes.iter().filter_map(|word| Grant::parse(word)).collect(),
+            scopes: match share {
+                Some(_) => SharedTwin::scopes(key),
+                None => key.scopes.iter().filter_map(|word| Grant::parse(word)).collect(),
+            },
+            share,
             quotas: key.quotas,
             memberships: Arc::clone(memberships),
             in_flight,
@@ -103,13 +114,15 @@ impl Caller {
         access: Option<Access>,
         call: &str,
     ) -> Result<Option<Flight>, Refusal> {
-        self.require(access).inspect_err(|refusal| {
+        self.require(access, call).inspect_err(|refusal| {
             let holder = Refused::Holder(self.key);
             if let Some(times) = self.refusals.note(holder, call, Instant::now()) {
                 audit::refused(self, call, refusal.reason(), times);
             }
         })?;
-        match (access, self.quotas.rollouts) {
+        // Plays of shares have another bound, and take nothing of what their owner may have.
+        let bound = self.quotas.rollouts.filter(|_| self.share.is_none());
+        match (access, bound) {
             (Some(Access::Scope(Scope::RolloutsRun)), Some(limit)) => {
                 self.in_flight.enter(&self.owner, limit).map(Some)
             }
@@ -118,7 +131,10 @@ impl Caller {
     }
 
     /// Refuses what the caller may not do. `None` is what the table does not list: nobody may.
-    fn require(&self, access: Option<Access>) -> Result<(), Refusal> {
+    fn require(&self, access: Option<Access>, call: &str) -> Result<(), Refusal> {
+        if let Some(share) = &self.share {
+            share.require(call).map_err(|limited| Refusal::new(limited.fault()))?;
+        }
         match access {
             // The metrics are a part of every scope.
             Some(Access::Open | Access::Worker | Access::Scope(Scope::MetricsRead)) => Ok(()),

@@ -15,6 +15,7 @@ mod receive;
 mod renewed;
 mod requirements;
 mod rights;
+mod shares;
 mod simulation;
 mod storage;
 mod sweeps;
@@ -63,6 +64,8 @@ pub(crate) use projects::ProjectOrder;
 pub(crate) use receive::Body;
 pub(crate) use requirements::of as requirements_of;
 pub(crate) use rights::{name, name_of_worker, whole_name};
+pub(crate) use shares::ShareOrder;
+use shares::SharedPlays;
 pub(crate) use sweeps::Sweeps;
 use twins::Drawing;
 pub(crate) use twins::{Exported, Geometry, Shown, SurfaceReply};
@@ -96,6 +99,7 @@ pub(crate) struct Inner {
     memory: Memory,
     drawing: Drawing,
     plays: Plays,
+    shared_plays: SharedPlays,
     members: Members,
     known_usage: KnownUsage,
     /// Notified when the disk may be short of space that the trash has.
@@ -147,6 +151,7 @@ impl App {
             stored_numbers: StoredNumbers::default(),
             memory,
             drawing: Drawing::default(),
+            shared_plays: SharedPlays::default(),
             plays: Plays::new(options.limits.plays(), stopping.clone()),
             stopping,
             certificates,

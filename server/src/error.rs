@@ -4,7 +4,10 @@
 use std::time::Duration;
 
 use bendtwin_budget::Exhausted;
-use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
+use bendtwin_core::{
+    Category, Fault, Problem,
+    ids::{InvalidName, TwinId},
+};
 
 /// Delay before another attempt where something else has to happen first.
 const SOON: Duration = Duration::from_secs(1);
@@ -25,6 +28,26 @@ pub(crate) enum Error {
     #[error("`{field}` {fault}")]
     #[problem(InvalidArgument, "INVALID_FIELD")]
     Invalid { field: &'static str, fault: String },
+    #[error(transparent)]
+    KeyEnded(#[from] crate::access::Ended),
+    #[error(transparent)]
+    Shared(#[from] crate::access::Limited),
+    #[error(
+        "the key lacks the scope rollouts:run, without which nobody lets others play: use a key that \
+         has it"
+    )]
+    #[problem(PermissionDenied, "SCOPE_MISSING")]
+    ShareWithoutRollouts,
+    #[error(
+        "this server requires no token, so a link needs no key and would not end: everyone who reaches \
+         the server can open /#/shared/{}",
+        .twin.uuid()
+    )]
+    #[problem(FailedPrecondition, "SHARE_NOT_NEEDED")]
+    ShareNotNeeded { twin: TwinId },
+    #[error("{most} people play through {by} already: try again when somebody has stopped")]
+    #[problem(ResourceExhausted, "SHARE_FULL")]
+    ShareFull { by: &'static str, most: u64 },
     #[error(transparent)]
     SignIn(#[from] crate::sign_in::Error),
     #[error(transparent)]
@@ -152,7 +175,9 @@ pub(crate) enum Error {
     #[error("the server is stopping: retry")]
     #[problem(Unavailable, "STOPPING", retry = SOON)]
     Stopping,
-    #[error(transparent)]
+    /// An error of a play, with the reason that the host gave where a call of the play failed.
+    #[error("{0}")]
+    #[problem(_0.category(), "WORKER_FAULT", retry = _0.retry_after(), fault = _0.fault())]
     Play(#[from] bendtwin_play::Error),
     /// The answer of a worker, unchanged.
     #[error("{0}")]

@@ -34,9 +34,9 @@ use bendtwin_proto::{
         registration_service_server::RegistrationServiceServer,
         retention_service_server::RetentionServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
-        sign_in_service_server::SignInServiceServer, trash_service_server::TrashServiceServer,
-        twin_service_server::TwinServiceServer, usage_service_server::UsageServiceServer,
-        worker_service_server::WorkerServiceServer,
+        share_service_server::ShareServiceServer, sign_in_service_server::SignInServiceServer,
+        trash_service_server::TrashServiceServer, twin_service_server::TwinServiceServer,
+        usage_service_server::UsageServiceServer, worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -97,6 +97,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
         .with::<KeyServiceServer<Api>>()
+        .with::<ShareServiceServer<Api>>()
         .with::<ProjectServiceServer<Api>>()
         .with::<UsageServiceServer<Api>>()
         .with::<TrashServiceServer<Api>>()
@@ -118,6 +119,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(KeyServiceServer::new(api.clone()).max_decoding_message_size(message))
+        .add_service(ShareServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(ProjectServiceServer::new(api.clone()).max_decoding_message_size(message))
         .add_service(UsageServiceServer::new(api.clone()))
         .add_service(TrashServiceServer::new(api.clone()).max_decoding_message_size(message))

@@ -1,10 +1,11 @@
-//! `bendtwin twin`: list, inspect, edit, export, import, dress, make ready for plans.
+//! `bendtwin twin`: list, inspect, edit, export, import, dress, make ready for plans, share.
 
 mod dress;
 pub(crate) mod exchange;
 mod export;
 mod import;
 mod planner;
+mod share;
 mod source;
 
 use std::path::Path;
@@ -72,6 +73,12 @@ enum Command {
     Planner(planner::Planner),
     /// Store a twin file, or a fit by PhysTwin, on the server
     Import(import::Import),
+    /// Make a link by which people without a token look at a twin and play with it, and print it
+    Share(share::Share),
+    /// List the links of a twin, with revoked and expired ones
+    Shares(share::Shares),
+    /// Revoke links: no server accepts them 30 s later, and plays through them end
+    Unshare(share::Unshare),
     /// Move twins to the trash
     Delete {
         /// twins/{uuid}
@@ -138,6 +145,9 @@ pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
         Command::Dress(args) => dress::run(args, global).await,
         Command::Planner(args) => planner::run(args, global).await,
         Command::Import(args) => import::run(args, global).await,
+        Command::Share(args) => share::share(args, global).await,
+        Command::Shares(args) => share::list(args, global).await,
+        Command::Unshare(args) => share::revoke(args, global).await,
         Command::Edit { name, changes } => {
             let update = labels::update(changes)?;
             let twin = global.connect().await?.twins().update(name, &update).await?;

@@ -20,6 +20,8 @@ from bendtwin.v1 import (
     project_pb2_grpc,
     rollout_pb2,
     rollout_pb2_grpc,
+    share_pb2,
+    share_pb2_grpc,
     tensor_pb2,
     trash_pb2,
     trash_pb2_grpc,
@@ -31,6 +33,7 @@ from bendtwin.v1 import (
 
 CAPTURE = "captures/0190a000-0000-7000-8000-000000000001"
 FIT = "fits/0190a000-0000-7000-8000-000000000002"
+SHARE = "shares/0190a000-0000-7000-8000-000000000005"
 PROJECT = "projects/0190a000-0000-7000-8000-000000000004"
 TWIN = "twins/0190a000-0000-7000-8000-000000000003"
 
@@ -59,6 +62,7 @@ class Fake(
     twin_pb2_grpc.TwinServiceServicer,
     rollout_pb2_grpc.RolloutServiceServicer,
     project_pb2_grpc.ProjectServiceServicer,
+    share_pb2_grpc.ShareServiceServicer,
     usage_pb2_grpc.UsageServiceServicer,
     trash_pb2_grpc.TrashServiceServicer,
 ):
@@ -239,6 +243,22 @@ class Fake(
     def DeleteProject(self, request, context):
         self.removed = request
         return project_pb2.DeleteProjectResponse()
+
+    def ShareTwin(self, request, context):
+        self.update = request
+        share = share_pb2.Share(name=SHARE, twin=request.twin, display_name=request.display_name)
+        return share_pb2.ShareTwinResponse(share=share, secret_key="bt_1")
+
+    def ListShares(self, request, context):
+        page = int(request.page_token or 0)
+        return share_pb2.ListSharesResponse(
+            shares=[share_pb2.Share(name=f"shares/{page}", twin=request.twin)],
+            next_page_token=str(page + 1) if page < 2 else "",
+        )
+
+    def DeleteShare(self, request, context):
+        self.removed = request
+        return share_pb2.DeleteShareResponse()
 
     def GetFitLosses(self, request, context):
         curve = fit_pb2.FitLosses.LossCurve(
@@ -436,6 +456,7 @@ def serve(fake: Fake) -> tuple[grpc.Server, str]:
     twin_pb2_grpc.add_TwinServiceServicer_to_server(fake, server)
     rollout_pb2_grpc.add_RolloutServiceServicer_to_server(fake, server)
     project_pb2_grpc.add_ProjectServiceServicer_to_server(fake, server)
+    share_pb2_grpc.add_ShareServiceServicer_to_server(fake, server)
     usage_pb2_grpc.add_UsageServiceServicer_to_server(fake, server)
     trash_pb2_grpc.add_TrashServiceServicer_to_server(fake, server)
     port = server.add_insecure_port("127.0.0.1:0")

@@ -19,9 +19,10 @@ use bendtwin_proto::v1::{
     project_service_client::ProjectServiceClient,
     registration_service_client::RegistrationServiceClient,
     retention_service_client::RetentionServiceClient, rollout_service_client::RolloutServiceClient,
-    session_service_client::SessionServiceClient, sign_in_service_client::SignInServiceClient,
-    trash_service_client::TrashServiceClient, twin_service_client::TwinServiceClient,
-    usage_service_client::UsageServiceClient, worker_service_client::WorkerServiceClient,
+    session_service_client::SessionServiceClient, share_service_client::ShareServiceClient,
+    sign_in_service_client::SignInServiceClient, trash_service_client::TrashServiceClient,
+    twin_service_client::TwinServiceClient, usage_service_client::UsageServiceClient,
+    worker_service_client::WorkerServiceClient,
 };
 use bendtwin_tls::{ClientConfig, Connector, TlsError, client_config};
 use tonic::transport::Endpoint;
@@ -29,7 +30,7 @@ use url::Url;
 
 use crate::{
     Captures, Error, Evaluations, Fits, Keys, Plans, Projects, Registrations, Retention, Rollouts,
-    Sessions, SignIns, Trash, Twins, Usage, Workers, token,
+    Sessions, Shares, SignIns, Trash, Twins, Usage, Workers, token,
 };
 use channel::Credentials;
 use http::Http;
@@ -157,6 +158,11 @@ impl Client {
     /// Keys of clients.
     pub fn keys(&self) -> Keys {
         Keys::new(KeyServiceClient::new(self.channel.clone()))
+    }
+
+    /// Links by which people without a token play with twins.
+    pub fn shares(&self) -> Shares {
+        Shares::new(ShareServiceClient::new(self.channel.clone()), self.url.clone())
     }
 
     /// Projects of owners.

@@ -2,9 +2,10 @@
 //! client token.
 
 pub(crate) mod projects;
+pub(crate) mod shares;
 pub(crate) mod sign_ins;
 
-use bendtwin_core::ids::KeyId;
+use bendtwin_core::ids::{KeyId, TwinId};
 use bendtwin_proto::v1::{
     self, CreateKeyRequest, DeleteKeyRequest, GetKeyRequest, KeyQuotas, ListKeysRequest,
     key_service_client::KeyServiceClient,
@@ -43,6 +44,8 @@ pub struct Key {
     pub quotas: KeyQuotas,
     /// True if a person got it by signing in.
     pub is_sign_in: bool,
+    /// The twin that it is limited to, if it is a share.
+    pub twin: Option<TwinId>,
 }
 }
 
@@ -134,7 +137,7 @@ impl Keys {
         page::all(|page| self.list(page)).await
     }
 
-    /// Revokes a key: no server accepts it 30 s later.
+    /// Revokes a key, with the shares that were made with it: no server accepts them 30 s later.
     ///
     /// # Errors
     /// If the key does not exist, or the server cannot be asked.

@@ -87,7 +87,8 @@ pub use bendtwin_core::settings::ingest::IngestSettings;
 pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
     ids::{
-        CaptureId, FitId, InvalidName, KeyId, ProjectId, RetentionId, SessionId, TwinId, WorkerId,
+        CaptureId, FitId, InvalidName, KeyId, ProjectId, RetentionId, SessionId, ShareId, TwinId,
+        WorkerId,
     },
 };
 pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
@@ -103,6 +104,7 @@ pub use self::{
     evaluations::Evaluations,
     fits::{FitOrder, FitPreview, Fits, LossCurve},
     keys::projects::{Project, ProjectChange, Projects},
+    keys::shares::{MadeShare, NewShare, Share, Shares},
     keys::sign_ins::{Caller, DeviceCode, SignIns},
     keys::{Key, Keys, MadeKey, NewKey},
     labels::{CaptureFacts, ListQuery, Order, Update},

@@ -540,7 +540,7 @@ export interface paths {
         post?: never;
         /**
          * Delete key
-         * @description Revokes a key: after 30 s no server accepts it any more. The key stays in the list, with its `revoke_time`.
+         * @description Revokes a key, with the shares that were made with it: after 30 s no server accepts them any more. They stay in the list, with their `revoke_time`. The key of a sign-in ends the shares of its person.
          */
         delete: operations["DeleteKey"];
         options?: never;
@@ -884,6 +884,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/shares/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Delete share
+         * @description Revokes a share: after 30 s no server accepts it any more, and plays that were begun with it have ended. It stays in the list, with its `revoke_time`.
+         */
+        delete: operations["DeleteShare"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/sign-in": {
         parameters: {
             query?: never;
@@ -1206,6 +1226,30 @@ export interface paths {
          * @description Like RollOut, with the reply in parts as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of a result may differ from those of RollOut, because they depend on the number of instances simulated together; on the CPU they do not. With `returns.best` there is one part. With `returns.part_frames` every part is divided in time as well. Over HTTP events named `part`.
          */
         post: operations["StreamRollOut"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/twins/{id}/shares": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List shares
+         * @description The shares of a twin, newest first, revoked and expired ones included.
+         */
+        get: operations["ListShares"];
+        put?: never;
+        /**
+         * Share twin
+         * @description Makes a share. The text of its key is only in this reply: the server stores a hash. The caller needs the scope rollouts:run for the twin as well. Refused with SHARE_NOT_NEEDED by a server that requires no token.
+         */
+        post: operations["ShareTwin"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2161,6 +2205,8 @@ export interface components {
             revoke_time: string | null;
             /** @description Scopes, sorted: admin, captures:read, captures:write, fits:read, fits:write, metrics:read, rollouts:run, twins:read, twins:write. Those of captures, fits, rollouts and twins may end in `:own`, for example captures:write:own: the scope then applies to what the owner of the key has, and to what members of the owner's projects have. */
             scopes: string[];
+            /** @description twins/{uuid}: the twin that the key is limited to, if it is a share. Its scopes are `share` and perhaps `share:export`, which no other key has. */
+            twin: string | null;
         };
         /** @description Quotas: the server refuses requests with the key when its owner has reached one. An absent field sets no bound but the server's default, unless it says otherwise. */
         KeyQuotas: {
@@ -2247,6 +2293,11 @@ export interface components {
         };
         ListRetentionRulesResponse: {
             rules: components["schemas"]["RetentionRule"][];
+        };
+        ListSharesResponse: {
+            /** @description Empty on the last page. */
+            next_page_token: string;
+            shares: components["schemas"]["Share"][];
         };
         ListTrashedCapturesResponse: {
             /** @description Empty on the last page. */
@@ -3118,6 +3169,55 @@ export interface components {
             slots: number[];
             /** @description Shapes with [S] in front for S slots; InitialState.given accepts it unchanged. */
             states?: components["schemas"]["InitialState.GivenState"];
+        };
+        Share: {
+            /** @description True if its holder may download the twin. */
+            allow_export: boolean;
+            /** Format: date-time */
+            create_time: string;
+            display_name: string;
+            /**
+             * Format: date-time
+             * @description The share is refused from this time on.
+             */
+            expire_time: string;
+            /**
+             * Format: date-time
+             * @description Last use, accurate to about a minute; absent if the share has not been used.
+             */
+            last_use_time: string | null;
+            /** @description shares/{uuid} */
+            name: string;
+            /** @description Owner of the key that made the share. */
+            owner: string;
+            /**
+             * Format: date-time
+             * @description Absent unless the share has been revoked.
+             */
+            revoke_time: string | null;
+            /** @description twins/{uuid} */
+            twin: string;
+        };
+        ShareTwinRequest: {
+            /** @description True if its holder may download the twin. */
+            allow_export?: boolean;
+            /** @description For whom the link is: up to 200 characters. */
+            display_name?: string;
+            /**
+             * Format: date-time
+             * @description The time at which it expires; not together with `ttl_s`.
+             */
+            expire_time?: string;
+            /**
+             * Format: int64
+             * @description Time until it expires, at most 90 days [s]. Default (0): 7 days.
+             */
+            ttl_s?: number;
+        };
+        ShareTwinResponse: {
+            /** @description Its key, `bt_{id}_{secret}`, which the link `/#/shared/{id of the twin}?key={key}` contains. */
+            secret_key: string;
+            share: components["schemas"]["Share"];
         };
         SignInOptions: {
             /** @description Name of the provider, for people. */
@@ -5750,6 +5850,36 @@ export interface operations {
             };
         };
     };
+    DeleteShare: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success, without content. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
     GetSignInOptions: {
         parameters: {
             query?: never;
@@ -6462,6 +6592,78 @@ export interface operations {
                 };
                 content: {
                     "text/event-stream": components["schemas"]["RollOutResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ListShares: {
+        parameters: {
+            query?: {
+                /** @description Default (0): 50. Values above 1000 count as 1000. */
+                page_size?: number;
+                page_token?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListSharesResponse"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    ShareTwin: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ShareTwinRequest"];
+            };
+        };
+        responses: {
+            /** @description Created. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShareTwinResponse"];
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */

@@ -1,4 +1,4 @@
-import { setToken, token } from './token';
+import { ownToken, setToken } from './token';
 
 /** Time in which other tabs answer [ms]. */
 const ANSWER_MS = 150;
@@ -15,7 +15,7 @@ export class Tabs {
   /** `onForget` is called when another tab logs out. */
   constructor(onForget: () => void) {
     this.channel.addEventListener('message', ({ data }: MessageEvent<Said>) => {
-      const mine = token();
+      const mine = ownToken();
       if (data.says === 'ask' && mine !== null) this.say({ says: 'token', token: mine });
       if (data.says === 'forget' && mine !== null) {
         setToken(null);
@@ -39,7 +39,7 @@ export class Tabs {
         resolve(taken);
       };
       const hear = ({ data }: MessageEvent<Said>): void => {
-        if (data.says !== 'token' || data.token === token()) return;
+        if (data.says !== 'token' || data.token === ownToken()) return;
         setToken(data.token);
         end(true);
       };

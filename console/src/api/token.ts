@@ -1,7 +1,14 @@
+import { keepVisitKey, visitedTwin, visitKey } from './visit';
+
 const KEY = 'bendtwin.token';
 
-/** The token that every request shows, or null if none was given. It lives as long as the tab. */
+/** The token that every request shows, or null if none was given: on the page of a visit its key. */
 export function token(): string | null {
+  return visitKey() ?? ownToken();
+}
+
+/** The token of the person in front of this tab. It lives as long as the tab. */
+export function ownToken(): string | null {
   return sessionStorage.getItem(KEY);
 }
 
@@ -12,18 +19,27 @@ export function setToken(value: string | null): void {
 }
 
 /**
- * Takes the token out of an address like `#/twins/1/play?token=…` and keeps it, so that neither
- * the history nor a copied link has it.
+ * Takes the token out of an address like `#/twins/1/play?token=…`, or the key of a visit out of one like
+ * `#/shared/1?key=…`, and keeps it, so that neither the history nor a copied link has it.
  */
 export function takeTokenFromAddress(): void {
+  const given = takeFromAddress('token');
+  if (given !== null) setToken(given);
+  const visited = visitedTwin();
+  const key = visited === null ? null : takeFromAddress('key');
+  if (visited !== null && key !== null) keepVisitKey(visited, key);
+}
+
+/** Takes a parameter out of the query behind the `#`; null if it is not there. */
+function takeFromAddress(name: string): string | null {
   const [path = '', search = ''] = location.hash.split('?', 2);
   const query = new URLSearchParams(search);
-  const given = query.get('token');
-  if (given === null) return;
-  query.delete('token');
-  setToken(given);
+  const given = query.get(name);
+  if (given === null) return null;
+  query.delete(name);
   const rest = query.toString();
   history.replaceState(null, '', `${location.pathname}${path}${rest === '' ? '' : `?${rest}`}`);
+  return given;
 }
 
 /** The token in what was pasted: all of it, or that of an address such as `http://…/#/twins/1?token=…`. */

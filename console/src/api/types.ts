@@ -13,6 +13,7 @@ export type FitPreview = Schemas['FitPreview'];
 export type Twin = Schemas['Twin'];
 export type TrashedResource = Schemas['TrashedResource'];
 export type Worker = Schemas['Worker'];
+export type Share = Schemas['Share'];
 export type OwnerUsage = Schemas['OwnerUsage'];
 export type SignIn = Schemas['SignInOptions'];
 export type LossCurve = Schemas['FitLosses.LossCurve'];

@@ -1,3 +1,4 @@
+import { visitedTwin } from '../api/visit';
 import { h } from '../ui/dom';
 import { counted } from '../ui/format';
 import { pointCount } from '../view3d/skin';
@@ -42,11 +43,13 @@ export function panelsOf(
   const [time, world] = [timePanel(playing), worldPanel(playing)];
   const [grippers, obstacles] = [grippersPanel(playing, selected), obstaclesPanel(playing)];
   const [goal, recording] = [goalPanel(playing), recordingPanel(playing)];
-  const moving = [grippers, world, obstacles, goal, recording];
+  // Searches and recordings are not for those who have a link alone.
+  const isVisit = visitedTwin() !== null;
+  const moving = [grippers, world, obstacles, ...(isVisit ? [] : [goal, recording])];
   const help = helpPanel();
   const column = h('div', { class: 'play-panels-column' }, ...moving.map(({ element }) => element),
     picturePanel(playing, shape), backgroundPanel(background, playing.context.query.get('background')),
-    shareMenu(playing.scene.stage, playing.context, query, playing.name), help);
+    isVisit ? '' : shareMenu(playing.scene.stage, playing.context, query, playing.name), help);
   return {
     bar: time.element,
     column,

@@ -1,5 +1,6 @@
 import { Vector3 } from 'three';
 import type { Page, PageContext } from '../page';
+import { visitedTwin } from '../api/visit';
 import { h } from '../ui/dom';
 import type { TwinShape } from '../view3d/shape';
 import { Background } from './background/background';
@@ -100,6 +101,8 @@ export class PlayPage implements Page, SocketListener {
     stage.beforeFrame((now) => this.#frame(now));
     const links = h('p', { class: 'row' }, this.#watch,
       h('a', { href: `#/twins/${id}/view` }, 'Look at its springs and triplets'));
+    // Visitors have this page alone.
+    links.hidden = visitedTwin() !== null;
     this.element = layoutOf({
       bar: this.#panels.bar,
       stage: stage.element,

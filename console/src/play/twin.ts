@@ -1,4 +1,5 @@
 import { idOf } from '../api/routes';
+import { visitedTwin } from '../api/visit';
 import type { PageContext } from '../page';
 import { loadShape, type TwinShape } from '../view3d/shape';
 
@@ -16,5 +17,7 @@ export async function loadTwin(context: PageContext, id: string): Promise<ShownT
   const { api, signal } = context;
   const [shape, twin] = await Promise.all([loadShape(api, id, signal), api.get('/v1/twins/{id}', { id, signal })]);
   context.setTitle(twin.display_name || 'Twin');
-  return { id, name: twin.display_name, shape, capture: twin.capture === null ? null : idOf(twin.capture) };
+  // A link to a twin does not lead to its recording.
+  const capture = twin.capture === null || visitedTwin() !== null ? null : idOf(twin.capture);
+  return { id, name: twin.display_name, shape, capture };
 }

@@ -1,4 +1,5 @@
 import type { Api } from '../api/client';
+import { mayDownload } from '../api/visit';
 import { openTwinFile, type Entry } from '../api/twin_file';
 import { startsOf, type Skin } from './skin';
 
@@ -25,8 +26,9 @@ export interface Appearance {
 /** Sizes of numbers [bytes]. */
 const WIDTHS: Readonly<Record<string, number>> = { F32: 4, U32: 4, U8: 1 };
 
-/** The look of a twin, read from the parts of its file that have it; null if it has none. */
+/** The look of a twin, read from the parts of its file that have it; null if it has none, or the file may not be read. */
 export async function loadAppearance(api: Api, twin: string, signal: AbortSignal): Promise<Appearance | null> {
+  if (!mayDownload()) return null;
   const { tensors, read } = await openTwinFile(api, twin, signal);
   const found = [...tensors].filter(([name]) => name === 'skin.color' || name.startsWith('splats.'));
   const offsets = found.flatMap(([, entry]) => entry.data_offsets);

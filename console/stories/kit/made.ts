@@ -36,6 +36,7 @@ export async function sendCapture(server: Server, path: string, displayName: str
 export async function call<T>(server: Server, method: string, path: string, body?: unknown): Promise<T> {
   const isBytes = body instanceof Uint8Array;
   const headers: Record<string, string> = isBytes ? {} : { 'content-type': 'application/json' };
+  if (!server.options.includes('none')) headers['authorization'] = `Bearer ${server.token}`;
   const content = body === undefined ? {} : { body: isBytes ? new Uint8Array(body) : JSON.stringify(body) };
   const answer = await fetch(server.url + path, { method, headers, ...content });
   if (!answer.ok) throw new Error(`${method} ${path}: ${await answer.text()}`);

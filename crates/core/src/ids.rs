@@ -1,5 +1,5 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
-//! `sessions/{id}`, `plays/{id}`, `workers/{id}`, `keys/{id}`, `projects/{id}` and `retention/{id}`, what
+//! `sessions/{id}`, `plays/{id}`, `workers/{id}`, `keys/{id}`, `shares/{id}`, `projects/{id}` and `retention/{id}`, what
 //! is no resource `ingests/{id}` and `servers/{id}`; ids are UUIDv7, so they sort by creation time.
 
 use std::{fmt, str::FromStr};
@@ -128,6 +128,10 @@ id!(
 id!(
     /// A key with which a client identifies itself.
     KeyId, "keys"
+);
+id!(
+    /// A share of a twin: a key that is limited to it, which has the same UUID.
+    ShareId, "shares"
 );
 id!(
     /// A set of owners who share what they have.

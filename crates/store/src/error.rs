@@ -4,7 +4,7 @@ use std::{path::PathBuf, time::Duration};
 
 use bendtwin_core::{
     Problem,
-    ids::{CaptureId, FitId},
+    ids::{CaptureId, FitId, TwinId},
 };
 use bendtwin_tls::{FileError, TlsError};
 use jiff::Timestamp;
@@ -84,6 +84,12 @@ pub enum Error {
     #[error("there are {limit} projects, which is the limit: delete those that nobody needs")]
     #[problem(ResourceExhausted, "TOO_MANY_PROJECTS")]
     TooManyProjects { limit: i64 },
+    #[error(
+        "{twin} has {limit} links that are valid, which is the limit: revoke those that nobody needs \
+         (`bendtwin twin shares`, `bendtwin twin unshare`)"
+    )]
+    #[problem(ResourceExhausted, "TOO_MANY_SHARES")]
+    TooManyShares { twin: TwinId, limit: i64 },
     #[error(
         "{limit} different requirements wait in the queue already: ask for the same backend, memory and \
          labels as others do, or retry later"

@@ -2,9 +2,11 @@
 //! scopes is for others to decide.
 
 pub(crate) mod quotas;
+mod shares;
 mod sign_ins;
 pub(crate) mod usage;
 
+pub use shares::{NewShare, Share};
 pub use sign_ins::SignedIn;
 
 use bendtwin_core::ids::KeyId;
@@ -42,6 +44,8 @@ pub struct Key {
     pub used: Option<Timestamp>,
     /// The person who got it by signing in; none for a key that somebody made.
     pub signed_in_as: Option<String>,
+    /// The twin that it is limited to, if it is a share.
+    pub share: Option<Share>,
 }
 
 /// A key to be stored.
@@ -89,6 +93,8 @@ row! {
         max_fit_run_s: Option<i64>,
         max_priority: Option<i64>,
         signed_in_as: Option<String>,
+        twin: Option<String>,
+        shared_by: Option<String>,
     }
 }
 
@@ -100,6 +106,10 @@ impl TryFrom<Row> for Key {
             fault: fault.to_owned(),
         };
         let bound = |n: Option<i64>| n.map(|n| n.max(0) as u64);
+        let share = row.twin.as_deref().map(|twin| {
+            let twin = Uuid::try_parse(twin).map_err(|_| corrupt("twin"))?.into();
+            Ok::<_, Error>(Share { twin, by: row.shared_by.clone() })
+        });
         Ok(Self {
             id: Uuid::try_parse(&row.id).map_err(|_| corrupt("id"))?.into(),
             hash: Digest::from_hex(&row.hash).map_err(|_| corrupt("hash"))?,
@@ -116,6 +126,7 @@ impl TryFrom<Row> for Key {
             expires: row.expires_at.map(from_micros),
             revoked: row.revoked_at.map(from_micros),
             used: row.used_at.map(from_micros),
+            share: share.transpose()?,
             signed_in_as: row.signed_in_as,
             display_name: row.display_name,
             owner: row.owner,
@@ -131,7 +142,7 @@ impl Keys<'_> {
     pub async fn create(&self, new: NewKey) -> Result<Key> {
         self.store.admit()?;
         let mut tx = self.store.inner.database.write().await?;
-        let key = insert(&mut tx, new, self.store.now_micros()).await?;
+        let key = insert(&mut tx, new, None, self.store.now_micros()).await?;
         tx.commit().await?;
         Ok(key)
     }
@@ -177,20 +188,15 @@ impl Keys<'_> {
             .collect())
     }
 
-    /// Revokes a key. One that is revoked already keeps the time of that.
+    /// Revokes a key. One that is revoked already keeps the time of that. The shares that were made
+    /// with it stay.
     ///
     /// # Errors
     /// [`Error::NotFound`].
     pub async fn revoke(&self, id: KeyId) -> Result<Key> {
+        let now = self.store.now_micros();
         let mut tx = self.store.inner.database.write().await?;
-        let row: Option<Row> = query(
-            "update keys set revoked_at = coalesce(revoked_at, $2) where id = $1 returning *",
-        )
-        .bind(id.uuid().to_string())
-        .bind(self.store.now_micros())
-        .fetch_optional(&mut tx)
-        .await?;
-        let row = row.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let row = revoke(&mut tx, id, now).await?;
         tx.commit().await?;
         row.try_into()
     }
@@ -209,14 +215,29 @@ impl Keys<'_> {
     }
 }
 
-/// Stores a key with this time of creation.
-async fn insert(tx: &mut Transaction, new: NewKey, now: i64) -> Result<Key> {
+/// Revokes a key, unless it is revoked already.
+async fn revoke(tx: &mut Transaction, id: KeyId, now: i64) -> Result<Row> {
+    let row: Option<Row> =
+        query("update keys set revoked_at = coalesce(revoked_at, $2) where id = $1 returning *")
+            .bind(id.uuid().to_string())
+            .bind(now)
+            .fetch_optional(&mut *tx)
+            .await?;
+    row.ok_or_else(|| Error::NotFound { name: id.to_string() })
+}
+
+/// Stores a key, or a share, with this time of creation.
+async fn insert(tx: &mut Transaction, new: NewKey, share: Option<Share>, now: i64) -> Result<Key> {
+    let (twin, shared_by) = match share {
+        Some(Share { twin, by }) => (Some(twin.uuid().to_string()), by),
+        None => (None, None),
+    };
     let bound = |n: Option<u64>| n.map(quotas::as_integer);
     let row: Row = query(
         "insert into keys (id, display_name, owner, hash, scopes, created_at, expires_at,
              max_queued_jobs, max_stored_bytes, max_rollouts, max_running_jobs, max_fit_run_s,
-             max_priority, signed_in_as)
-         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14) returning *",
+             max_priority, signed_in_as, twin, shared_by)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16) returning *",
     )
     .bind(new.id.uuid().to_string())
     .bind(new.display_name)
@@ -232,6 +253,8 @@ async fn insert(tx: &mut Transaction, new: NewKey, now: i64) -> Result<Key> {
     .bind(bound(new.quotas.fit_run_s))
     .bind(new.quotas.priority.map(i64::from))
     .bind(new.signed_in_as)
+    .bind(twin)
+    .bind(shared_by)
     .fetch_one(&mut *tx)
     .await?;
     row.try_into()

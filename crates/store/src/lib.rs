@@ -154,7 +154,7 @@ pub use jobs::{
 };
 pub use keys::usage::{OwnerUsage, StoredBytes, Usage};
 pub use keys::{
-    Key, Keys, NewKey, SignedIn,
+    Key, Keys, NewKey, NewShare, Share, SignedIn,
     quotas::{Creator, Quotas, reservation::Incoming},
 };
 pub use labels::{Collection, LabelChange, Labels, MAX_TAGS};

@@ -2313,7 +2313,7 @@ written!(crate::v1::ListWorkersResponse);
 
 impl Fields for crate::v1::Key {
     const NAME: &'static str = "Key";
-    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas", "is_sign_in"];
+    const FIELDS: &'static [&'static str] = &["name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas", "is_sign_in", "twin"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -2328,6 +2328,7 @@ impl Fields for crate::v1::Key {
 7 => { self.last_use_time = time(map)?; }
 8 => { self.quotas = message(map)?; }
 9 => { self.is_sign_in = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -2345,6 +2346,7 @@ map.serialize_entry("revoke_time", &self.revoke_time.map(Time))?;
 map.serialize_entry("last_use_time", &self.last_use_time.map(Time))?;
 write_message(map, "quotas", Some(self.quotas.as_ref().unwrap_or(&Default::default())), tensors)?;
 map.serialize_entry("is_sign_in", &self.is_sign_in)?;
+map.serialize_entry("twin", &filled(&self.twin))?;
 
         Ok(())
     }
@@ -2544,6 +2546,184 @@ impl Fields for crate::v1::DeleteKeyResponse {
     }
 }
 written!(crate::v1::DeleteKeyResponse);
+
+impl Fields for crate::v1::Share {
+    const NAME: &'static str = "Share";
+    const FIELDS: &'static [&'static str] = &["name", "twin", "display_name", "owner", "allow_export", "create_time", "expire_time", "revoke_time", "last_use_time"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.owner = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.allow_export = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.create_time = time(map)?; }
+6 => { self.expire_time = time(map)?; }
+7 => { self.revoke_time = time(map)?; }
+8 => { self.last_use_time = time(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("twin", &self.twin)?;
+map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("owner", &self.owner)?;
+map.serialize_entry("allow_export", &self.allow_export)?;
+map.serialize_entry("create_time", &Time(self.create_time.unwrap_or_default()))?;
+map.serialize_entry("expire_time", &Time(self.expire_time.unwrap_or_default()))?;
+map.serialize_entry("revoke_time", &self.revoke_time.map(Time))?;
+map.serialize_entry("last_use_time", &self.last_use_time.map(Time))?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::Share);
+
+impl Fields for crate::v1::ShareTwinRequest {
+    const NAME: &'static str = "ShareTwinRequest";
+    const FIELDS: &'static [&'static str] = &["display_name", "ttl_s", "expire_time", "allow_export"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.display_name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.ttl_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.expire_time = time(map)?; }
+3 => { self.allow_export = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("display_name", &self.display_name)?;
+map.serialize_entry("ttl_s", &self.ttl_s)?;
+if let Some(time) = self.expire_time { map.serialize_entry("expire_time", &Time(time))?; }
+map.serialize_entry("allow_export", &self.allow_export)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ShareTwinRequest);
+
+impl Fields for crate::v1::ShareTwinResponse {
+    const NAME: &'static str = "ShareTwinResponse";
+    const FIELDS: &'static [&'static str] = &["share", "secret_key"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.share = message(map)?; }
+1 => { self.secret_key = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "share", Some(self.share.as_ref().unwrap_or(&Default::default())), tensors)?;
+map.serialize_entry("secret_key", &self.secret_key)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ShareTwinResponse);
+
+impl Fields for crate::v1::ListSharesRequest {
+    const NAME: &'static str = "ListSharesRequest";
+    const FIELDS: &'static [&'static str] = &["page_size", "page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.page_size = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("page_size", &self.page_size)?;
+map.serialize_entry("page_token", &self.page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListSharesRequest);
+
+impl Fields for crate::v1::ListSharesResponse {
+    const NAME: &'static str = "ListSharesResponse";
+    const FIELDS: &'static [&'static str] = &["shares", "next_page_token"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.shares = messages(map)?; }
+1 => { self.next_page_token = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "shares", &self.shares, tensors)?;
+map.serialize_entry("next_page_token", &self.next_page_token)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::ListSharesResponse);
+
+impl Fields for crate::v1::DeleteShareRequest {
+    const NAME: &'static str = "DeleteShareRequest";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteShareRequest);
+
+impl Fields for crate::v1::DeleteShareResponse {
+    const NAME: &'static str = "DeleteShareResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+written!(crate::v1::DeleteShareResponse);
 
 impl Fields for crate::v1::Project {
     const NAME: &'static str = "Project";

@@ -22,7 +22,7 @@ const PROTOBUF: &str = "application/x-protobuf";
 const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
 
 /// Tags by service.
-const TAGS: [(&str, &str); 15] = [
+const TAGS: [(&str, &str); 16] = [
     ("CaptureService", "captures"),
     ("FitService", "fits"),
     ("TwinService", "twins"),
@@ -34,6 +34,7 @@ const TAGS: [(&str, &str); 15] = [
     ("TrashService", "trash"),
     ("RetentionService", "retention"),
     ("KeyService", "keys"),
+    ("ShareService", "twins"),
     ("ProjectService", "projects"),
     ("UsageService", "usage"),
     ("SignInService", "sign-in"),

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use axum::http::HeaderMap;
-use bendtwin_core::{Category, Fault};
-use bendtwin_store::{Key, Store};
+use bendtwin_core::Problem as _;
+use bendtwin_store::Store;
 
 use super::{
-    Caller, InFlight, KeyRing,
+    Caller, Ended, InFlight, KeyRing,
     client_token::{self, ClientToken},
     key,
     refusals::{Refusals, Refused},
@@ -66,17 +66,8 @@ impl Gate {
         let found = found.ok_or_else(|| Denial::of_stranger("the key is not known here"))?;
         let caller = Caller::with_key(&found, self.in_flight.clone());
         let found = found.key;
-        if found.revoked.is_some() {
-            let what = format!("{} was revoked", found.id);
-            let refusal = signed_out(&found, &what)
-                .unwrap_or_else(|| refused(Category::Unauthenticated, "KEY_REVOKED", what));
-            return Err(Denial { refusal, of: Some(caller) });
-        }
-        if let Some(end) = found.expires.filter(|end| *end <= self.store.now()) {
-            let what = format!("{} expired at {end:.0}", found.id);
-            let refusal = signed_out(&found, &what)
-                .unwrap_or_else(|| refused(Category::Unauthenticated, "KEY_EXPIRED", what));
-            return Err(Denial { refusal, of: Some(caller) });
+        if let Some(ended) = Ended::of(&found, self.store.now()) {
+            return Err(Denial { refusal: Refusal::new(ended.fault()), of: Some(caller) });
         }
         self.keys.note_use(&found);
         Ok(caller)
@@ -116,27 +107,6 @@ impl From<Refusal> for Denial {
     fn from(refusal: Refusal) -> Self {
         Self { refusal, of: None }
     }
-}
-
-/// Refusal of the key of a sign-in that has ended; none for another key.
-fn signed_out(key: &Key, what: &str) -> Option<Refusal> {
-    key.signed_in_as.as_ref()?;
-    Some(Refusal::new(Fault {
-        category: Category::Unauthenticated,
-        reason: "SIGN_IN_ENDED".to_owned(),
-        message: format!(
-            "the sign-in {what}: sign in again, with `bendtwin login` or on the login page of the \
-             console"
-        ),
-    }))
-}
-
-fn refused(category: Category, reason: &str, what: String) -> Refusal {
-    Refusal::new(Fault {
-        category,
-        reason: reason.to_owned(),
-        message: format!("{what}: have another key made with `bendtwin key create`"),
-    })
 }
 
 #[cfg(test)]

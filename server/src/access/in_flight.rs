@@ -27,21 +27,28 @@ impl InFlight {
     /// # Errors
     /// If there are `limit` already.
     pub(super) fn enter(&self, owner: &Arc<str>, limit: u64) -> Result<Flight, Refusal> {
-        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let count = counts.get(owner).copied().unwrap_or_default();
-        if count >= limit {
+        self.count(owner, limit).ok_or_else(|| {
             let refusal = Refusal::new(Fault {
                 category: Category::ResourceExhausted,
                 reason: "QUOTA_ROLLOUTS".to_owned(),
                 message: format!(
-                    "{count} rollouts of {owner} are under way, and its key allows {limit}: wait \
+                    "{limit} rollouts of {owner} are under way, which is what its key allows: wait \
                      for one to end"
                 ),
             });
-            return Err(refusal.retry_after(Some(Duration::from_secs(1))));
+            refusal.retry_after(Some(Duration::from_secs(1)))
+        })
+    }
+
+    /// Counts one more of an owner; none if there are `limit` already.
+    pub(crate) fn count(&self, owner: &Arc<str>, limit: u64) -> Option<Flight> {
+        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let count = counts.get(owner).copied().unwrap_or_default();
+        if count >= limit {
+            return None;
         }
         counts.insert(owner.clone(), count + 1);
-        Ok(Flight { all: self.clone(), owner: owner.clone() })
+        Some(Flight { all: self.clone(), owner: owner.clone() })
     }
 }
 

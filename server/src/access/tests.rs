@@ -17,6 +17,7 @@ fn with(scopes: &[&str]) -> Caller {
         revoked: None,
         used: None,
         signed_in_as: None,
+        share: None,
     };
     let holder = Holder { key: Arc::new(key), memberships: Arc::default() };
     Caller::with_key(&holder, InFlight::default())
@@ -33,7 +34,7 @@ fn scopes_allow_what_they_name_and_nothing_else() {
         assert_eq!(Scope::parse(scope.as_str()), Some(scope));
         let caller = with(&[scope.as_str()]);
         for other in Scope::ALL {
-            let refused = reason(caller.require(Some(Access::Scope(other))));
+            let refused = reason(caller.require(Some(Access::Scope(other)), ""));
             match refused {
                 None => assert!(scope == other || other == Scope::MetricsRead),
                 Some(fault) => {
@@ -52,7 +53,7 @@ fn a_bound_scope_is_for_the_owner_alone() {
     for scope in Scope::ALL.into_iter().filter(|scope| scope.has_bound()) {
         let bound = format!("{}:own", scope.as_str());
         let caller = with(&[&bound]);
-        assert!(reason(caller.require(Some(Access::Scope(scope)))).is_none(), "{bound}");
+        assert!(reason(caller.require(Some(Access::Scope(scope)), "")).is_none(), "{bound}");
         assert!(caller.reaches(scope, "b") && caller.bound(scope).as_deref() == Some("b"));
         for other in ["c", "", "B"] {
             assert!(!caller.reaches(scope, other), "{bound}, {other}");
@@ -72,18 +73,18 @@ fn a_bound_scope_is_for_the_owner_alone() {
 #[test]
 fn a_key_for_the_metrics_reads_nothing_else() {
     let scraper = with(&["metrics:read"]);
-    assert!(scraper.require(Some(Access::Scope(Scope::MetricsRead))).is_ok());
-    let refused = reason(scraper.require(Some(Access::Anyone))).unwrap();
+    assert!(scraper.require(Some(Access::Scope(Scope::MetricsRead)), "").is_ok());
+    let refused = reason(scraper.require(Some(Access::Anyone), "")).unwrap();
     assert_eq!(refused.reason, "SCOPE_MISSING");
     assert!(refused.message.contains("metrics:read"), "{}", refused.message);
     let more = with(&["metrics:read", "twins:read"]);
-    assert!(more.require(Some(Access::Anyone)).is_ok());
+    assert!(more.require(Some(Access::Anyone), "").is_ok());
 }
 
 #[test]
 fn what_is_not_listed_is_denied_to_everyone() {
     for caller in [Caller::anyone(), Caller::with_token(), Caller::default()] {
-        assert_eq!(reason(caller.require(None)).unwrap().reason, "SCOPE_MISSING");
+        assert_eq!(reason(caller.require(None, "")).unwrap().reason, "SCOPE_MISSING");
     }
 }
 

@@ -5,17 +5,24 @@ pub(super) mod usage;
 
 mod sign_ins;
 
-use bendtwin_core::ids::KeyId;
+use std::time::Duration;
+
+use bendtwin_core::{Category, Problem as _, ids::KeyId};
 use bendtwin_store::{Key, NewKey, Page, PageRequest, Quotas};
 use jiff::Timestamp;
+use tokio::time::MissedTickBehavior;
 
 use super::{App, Error, Result, labels};
 use crate::{
-    access::{Grant, MOST_PRIORITY, Scope, key},
+    access::{Ended, Grant, MOST_PRIORITY, Scope, key},
     audit,
+    context::Context,
 };
 
 pub(crate) use sign_ins::WhoAmI;
+
+/// Interval at which the key of a long call is checked.
+const CHECK_INTERVAL: Duration = Duration::from_secs(2);
 
 /// A requested key.
 #[derive(Clone, Debug, Default)]
@@ -74,10 +81,16 @@ impl App {
         Ok(self.store.keys().list(page).await?)
     }
 
+    /// Revokes a key, and the shares that were made with it.
     pub(crate) async fn revoke_key(&self, name: &str) -> Result<()> {
         let done: Result<()> = async {
-            let key = self.revoke(super::name(name)?).await?;
-            tracing::info!(key = %key.id, owner = key.owner, "key revoked");
+            let (id, store) = (super::name(name)?, self.store.clone());
+            let revoked =
+                self.change(async move { store.keys().revoke_with_shares(id).await }).await?;
+            for key in &revoked {
+                self.keys.learn(key);
+                tracing::info!(key = %key.id, owner = key.owner, "key revoked");
+            }
             Ok(())
         }
         .await;
@@ -85,8 +98,31 @@ impl App {
         done
     }
 
+    /// Waits until the key of the caller has ended, or the twin that it is limited to is gone; for ever
+    /// if it has none. What cannot be found out now, since the database does not answer, ends nothing.
+    pub(crate) async fn key_ended(&self) -> Error {
+        let caller = Context::current().caller;
+        let Some(id) = caller.key else { return std::future::pending().await };
+        let mut tick = tokio::time::interval(CHECK_INTERVAL);
+        tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tick.tick().await;
+            if let Ok(Some(holder)) = self.keys.find(id).await
+                && let Some(ended) = Ended::of(&holder.key, self.store.now())
+            {
+                return ended.into();
+            }
+            if let Some(share) = caller.share
+                && let Err(error) = self.store.twins().get(share.twin).await
+                && error.category() == Category::NotFound
+            {
+                return error.into();
+            }
+        }
+    }
+
     /// Revokes a key, here immediately, and at other servers once they read it again.
-    async fn revoke(&self, id: KeyId) -> Result<Key> {
+    pub(super) async fn revoke(&self, id: KeyId) -> Result<Key> {
         let store = self.store.clone();
         let key = self.change(async move { store.keys().revoke(id).await }).await?;
         self.keys.learn(&key);

@@ -1,13 +1,14 @@
 //! Rights between people: a name that a client sends becomes an id here alone, once the caller has been
 //! found to reach what it names. A scope that is bound to its owner (`captures:read:own`) reaches what
 //! that owner has, and what the members of the owner's projects have; any other scope reaches
-//! everything, and costs nothing here. Lists are confined where they are read, by the same rule.
+//! everything, and costs nothing here. Lists are confined where they are read, by the same rule. The
+//! holder of a share reaches its twin, and the sessions of its plays, alone.
 
 use std::{fmt::Display, str::FromStr, sync::Arc};
 
 use bendtwin_core::ids::{
-    CaptureId, FitId, InvalidName, KeyId, PlayId, ProjectId, RetentionId, SessionId, TwinId,
-    UploadId, WorkerId,
+    CaptureId, FitId, InvalidName, KeyId, PlayId, ProjectId, RetentionId, SessionId, ShareId,
+    TwinId, UploadId, WorkerId,
 };
 use bendtwin_proto::v1::{
     InitialState, RollOutRequest,
@@ -16,7 +17,10 @@ use bendtwin_proto::v1::{
 use bendtwin_store::Error as StoreError;
 
 use super::{App, Error, Result};
-use crate::{access::Scope, context::Context};
+use crate::{
+    access::{Limited, Scope},
+    context::Context,
+};
 
 /// Scope of rollouts and of all that simulates.
 const SIMULATE: Scope = Scope::RolloutsRun;
@@ -25,6 +29,11 @@ const SIMULATE: Scope = Scope::RolloutsRun;
 pub(super) trait Owned: Copy + Display + FromStr<Err = InvalidName> + Send + Sync {
     /// The owner; empty if it is not known.
     fn owner(self, app: &App) -> impl Future<Output = Result<Arc<str>>> + Send;
+
+    /// The twin whose shares reach it; none if no share does.
+    fn shared_twin(self, _: &App) -> impl Future<Output = Result<Option<TwinId>>> + Send {
+        std::future::ready(Ok(None))
+    }
 }
 
 /// Ids of what has no owner: the scope of a call decides alone.
@@ -57,6 +66,18 @@ impl Owned for TwinId {
             owner => owner,
         }
     }
+
+    async fn shared_twin(self, _: &App) -> Result<Option<TwinId>> {
+        Ok(Some(self))
+    }
+}
+
+/// Those who may change a twin may revoke all of its shares.
+impl Owned for ShareId {
+    async fn owner(self, app: &App) -> Result<Arc<str>> {
+        let (_, share) = app.store.keys().get_share(self).await?;
+        share.twin.owner(app).await
+    }
 }
 
 impl Owned for UploadId {
@@ -68,6 +89,10 @@ impl Owned for UploadId {
 impl Owned for SessionId {
     async fn owner(self, app: &App) -> Result<Arc<str>> {
         app.dispatch.session_owner(self).await
+    }
+
+    async fn shared_twin(self, app: &App) -> Result<Option<TwinId>> {
+        Ok(Some(app.dispatch.session_twin(self).await?))
     }
 }
 
@@ -81,9 +106,16 @@ impl App {
     /// The id of what a client names, if the caller reaches it with the scope of the call.
     ///
     /// # Errors
-    /// [`Error::Name`]; [`Error::NotOwner`]; for a scope that is bound, that there is no such thing.
+    /// [`Error::Name`]; [`Error::NotOwner`]; [`Error::Shared`]; for a scope that is bound, that there is
+    /// no such thing.
     pub(super) async fn reach<T: Owned>(&self, scope: Scope, name: &str) -> Result<T> {
         let id: T = name.parse().map_err(Error::Name)?;
+        if let Some(share) = Context::current().caller.share {
+            return match id.shared_twin(self).await? {
+                Some(twin) if twin == share.twin => Ok(id),
+                _ => Err(Limited::ToTwin(share.twin).into()),
+            };
+        }
         if is_bound(scope) {
             require(scope, id, &id.owner(self).await?)?;
         }
@@ -113,6 +145,15 @@ impl App {
 
     /// Refuses an initial state in a capture or a session that the caller does not reach.
     pub(super) async fn require_initial(&self, initial: Option<&InitialState>) -> Result<()> {
+        if let Some(share) = Context::current().caller.share {
+            // Nothing of recordings, the twin's own included.
+            return match initial.and_then(|initial| initial.state.as_ref()) {
+                Some(State::CaptureFrame(_) | State::Session(_)) => {
+                    Err(Limited::ToTwin(share.twin).into())
+                }
+                _ => Ok(()),
+            };
+        }
         if !is_bound(SIMULATE) {
             return Ok(());
         }

@@ -73,10 +73,10 @@ async fn leases(app: App) {
     }
 }
 
-/// Removes unused content, and sign-ins that ended long ago.
+/// Removes unused content, and sign-ins and shares that ended long ago.
 async fn garbage(app: App) {
-    if let Err(error) = app.forget_sign_ins().await {
-        tracing::warn!(%error, "cannot remove sign-ins that have ended; trying again");
+    if let Err(error) = app.forget_ended_keys().await {
+        tracing::warn!(%error, "cannot remove sign-ins and shares that have ended; trying again");
     }
     if let Err(error) = app.store.collect_garbage().await {
         tracing::error!(%error, "cannot remove unused content; trying again");

@@ -18,6 +18,7 @@ use super::{
     App, Body, Error, Result,
     labels::{Listing, ORDERS},
     receive::Receiving,
+    shares,
 };
 use crate::{access::Scope, audit, context::Context};
 
@@ -59,7 +60,11 @@ impl App {
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
-        Ok(self.store.twins().get(self.reach(Scope::TwinsRead, name).await?).await?)
+        let twin = self.store.twins().get(self.reach(Scope::TwinsRead, name).await?).await?;
+        Ok(match Context::current().caller.share {
+            Some(_) => shares::for_visitors(twin),
+            None => twin,
+        })
     }
 
     pub(crate) async fn twins(&self, listing: Listing) -> Result<Page<Twin>> {

@@ -319,6 +319,22 @@ pub(super) fn key(key: Key) -> v1::Key {
         last_use_time: key.used.map(time),
         quotas: Some(quotas),
         is_sign_in: key.signed_in_as.is_some(),
+        twin: key.share.map(|share| share.twin.to_string()).unwrap_or_default(),
+    }
+}
+
+/// The share of a key.
+pub(super) fn share(key: Key) -> v1::Share {
+    v1::Share {
+        name: access::share_of(key.id).to_string(),
+        allow_export: access::may_export(&key),
+        twin: key.share.map(|share| share.twin.to_string()).unwrap_or_default(),
+        display_name: key.display_name,
+        owner: key.owner,
+        create_time: Some(time(key.created)),
+        expire_time: key.expires.map(time),
+        revoke_time: key.revoked.map(time),
+        last_use_time: key.used.map(time),
     }
 }
 

@@ -1,5 +1,6 @@
 //! `bendtwin.v1.KeyService`.
 
+mod shares;
 mod sign_ins;
 
 use bendtwin_proto::v1::{

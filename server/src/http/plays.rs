@@ -79,8 +79,9 @@ pub(super) async fn watch(
     upgrade: Upgrade,
 ) -> Result<Response> {
     let view = app.watch_play(&id).await?;
+    let context = Context::current();
     let socket = upgrade.bounded(WATCHER_BYTES);
-    Ok(socket.on_upgrade(move |socket| socket::watch(app, view, socket)))
+    Ok(socket.on_upgrade(move |socket| context.scope(socket::watch(app, view, socket))))
 }
 
 /// Recording of a play

@@ -5,6 +5,7 @@ pub(super) mod keys;
 mod own;
 mod projects;
 mod requests;
+mod shares;
 mod sign_in;
 mod usage;
 

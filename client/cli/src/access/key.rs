@@ -21,12 +21,13 @@ enum Command {
     Create(Create),
     /// List keys, with revoked and expired ones
     List,
-    /// Revoke keys: no server accepts them 30 s later
+    /// Revoke keys, with the links to twins that were made with them: no server accepts them
+    /// 30 s later
     Revoke {
         /// keys/{uuid}
         #[arg(required_unless_present = "owner")]
         names: Vec<KeyId>,
-        /// Revoke all keys of this owner, sign-ins included, for example of a person who leaves
+        /// Revoke all keys of this owner, sign-ins and links included, for example of a person who leaves
         #[arg(long, value_name = "NAME", conflicts_with = "names")]
         owner: Option<String>,
         /// Revoke only the sign-ins of the owner, for example of a person who changes groups
@@ -165,6 +166,7 @@ async fn list(global: &Global) -> anyhow::Result<()> {
                 (Some(time), _) => format!("revoked {time:.0}"),
                 (None, Some(time)) if time <= now => format!("expired {time:.0}"),
                 (None, Some(time)) if key.is_sign_in => format!("signed in until {time:.0}"),
+                (None, Some(time)) if key.twin.is_some() => format!("shared until {time:.0}"),
                 (None, Some(time)) => format!("until {time:.0}"),
                 (None, None) => "valid".to_owned(),
             };
@@ -250,6 +252,7 @@ mod tests {
             last_use_time: None,
             quotas: KeyQuotas::default(),
             is_sign_in,
+            twin: None,
         };
         let keys = [key("ada@example.org", true), key("bob", false)];
         let found = of_owner(&keys, "ada@example.org", true).unwrap();

@@ -55,6 +55,7 @@ from bendtwin.v1 import (
     rollout_pb2,
     rollout_pb2_grpc,
     session_pb2_grpc,
+    share_pb2_grpc,
     trash_pb2,
     trash_pb2_grpc,
     twin_pb2,
@@ -90,6 +91,7 @@ class Services:
         self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
         self.evaluations = evaluation_pb2_grpc.EvaluationServiceStub(channel)
         self.sessions = session_pb2_grpc.SessionServiceStub(channel)
+        self.shares = share_pb2_grpc.ShareServiceStub(channel)
         self.trash = trash_pb2_grpc.TrashServiceStub(channel)
         self.planning = planning_pb2_grpc.PlanningServiceStub(channel)
 

@@ -32,9 +32,11 @@ from bendtwin.resources import (
     FitPreview,
     JobState,
     LossCurve,
+    MadeShare,
     OwnerUsage,
     Project,
     Requirements,
+    Share,
     Trashed,
     TwinInfo,
     Worker,
@@ -72,6 +74,7 @@ class Client:
         self._transport = transport(address, ca)
         self._address = self._transport.target
         is_https = self._transport.is_https
+        self._url = f"{'https' if is_https else 'http'}://{self._address}"
         self._token = shown_token(self._address, token, token_file, is_https)
         self._caller = Caller(self._transport, self._token)
 
@@ -450,6 +453,25 @@ class Client:
     def restore_twin(self, name: str) -> Twin:
         """Restores a deleted twin."""
         return self._twin(self._caller.run(calls.restore_twin(name)))
+
+    # Links to twins
+
+    def share_twin(
+        self, name: str, *, display_name: str = "", days: float = 7, allow_export: bool = False
+    ) -> MadeShare:
+        """Makes a link by which people without a token look at a twin and play with it, for up to 90
+        days. `display_name` is for whom it is; `allow_export` lets them download the twin. A server
+        that requires no token refuses with the reason `SHARE_NOT_NEEDED`."""
+        made = owner_calls.share_twin(self._url, name, display_name, days, allow_export)
+        return self._caller.run(made)
+
+    def shares(self, twin: str) -> Iterator[Share]:
+        """The links of a twin, newest first, revoked and expired ones included."""
+        return self._caller.pages(owner_calls.list_shares(twin))
+
+    def delete_share(self, name: str) -> None:
+        """Revokes a link; plays through it end."""
+        self._caller.run(owner_calls.delete_share(name))
 
     # Workers
 

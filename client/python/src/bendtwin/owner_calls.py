@@ -1,12 +1,12 @@
-"""Calls about owners as values: their projects, and what they have."""
+"""Calls about owners as values: their projects, the links that they send, and what they have."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from bendtwin.calls import Call, Pages
-from bendtwin.resources import OwnerUsage, Project
-from bendtwin.v1 import project_pb2, usage_pb2
+from bendtwin.resources import MadeShare, OwnerUsage, Project, Share
+from bendtwin.v1 import project_pb2, share_pb2, usage_pb2
 
 
 def create_project(display_name: str, members: Sequence[str]) -> Call[Project]:
@@ -55,6 +55,39 @@ def delete_project(name: str) -> Call[None]:
     """Deletes a project."""
     request = project_pb2.DeleteProjectRequest(name=name)
     return Call(lambda s: s.projects.DeleteProject, request, lambda _: None)
+
+
+def share_twin(
+    address: str, twin: str, display_name: str, days: float, allow_export: bool
+) -> Call[MadeShare]:
+    """Makes a link to a twin."""
+    request = share_pb2.ShareTwinRequest(
+        twin=twin,
+        display_name=display_name,
+        ttl_s=max(1, round(days * 86_400)),
+        allow_export=allow_export,
+    )
+    page = f"{address}/#/shared/{twin.rpartition('/')[2]}"
+    return Call(
+        lambda s: s.shares.ShareTwin,
+        request,
+        lambda reply: MadeShare(Share.from_proto(reply.share), f"{page}?key={reply.secret_key}"),
+    )
+
+
+def list_shares(twin: str) -> Pages[Share]:
+    """The links of a twin."""
+    return Pages(
+        lambda s: s.shares.ListShares,
+        share_pb2.ListSharesRequest(twin=twin),
+        lambda page: [Share.from_proto(share) for share in page.shares],
+    )
+
+
+def delete_share(name: str) -> Call[None]:
+    """Revokes a link."""
+    request = share_pb2.DeleteShareRequest(name=name)
+    return Call(lambda s: s.shares.DeleteShare, request, lambda _: None)
 
 
 def get_usage() -> Call[OwnerUsage]:

@@ -383,6 +383,37 @@ class Project(FromMessage):
 
 
 @dataclass(frozen=True)
+class Share(FromMessage):
+    """A link by which people without a token look at a twin and play with it."""
+
+    #: shares/{uuid}.
+    name: str
+    #: twins/{uuid}.
+    twin: str
+    #: For whom it is.
+    display_name: str
+    #: Owner of the key that made it.
+    owner: str
+    #: True if those who have it may download the twin.
+    allow_export: bool
+    create_time: datetime | None
+    expire_time: datetime | None
+    #: None unless it was revoked.
+    revoke_time: datetime | None
+    #: Accurate to about a minute; None if it has not been used.
+    last_use_time: datetime | None
+
+
+@dataclass(frozen=True)
+class MadeShare:
+    """A newly made link, whose address is returned only here."""
+
+    share: Share
+    #: The address that opens the twin, which contains a key.
+    link: str = field(repr=False)
+
+
+@dataclass(frozen=True)
 class StoredBytes(FromMessage):
     """Sizes of what is stored for an owner, bytes. Equal content counts for each resource."""
 

@@ -6,7 +6,7 @@ use std::{fmt::Display, str::FromStr, time::Duration};
 
 use bendtwin_core::{
     Fault, Fidelity, Quality,
-    ids::{CaptureId, FitId, KeyId, ProjectId, RetentionId, SessionId, TwinId, WorkerId},
+    ids::{CaptureId, FitId, KeyId, ProjectId, RetentionId, SessionId, ShareId, TwinId, WorkerId},
     quality::Measure,
 };
 use bendtwin_plan::Origin;
@@ -123,7 +123,7 @@ macro_rules! ids {
     )+};
 }
 
-ids!(CaptureId, FitId, KeyId, ProjectId, RetentionId, SessionId, TwinId, WorkerId);
+ids!(CaptureId, FitId, KeyId, ProjectId, RetentionId, SessionId, ShareId, TwinId, WorkerId);
 
 fn parse<T: FromStr<Err: Display>>(text: &str, field: &str) -> Result<T, Error> {
     text.parse().map_err(|fault| Error::malformed(format!("{field}: {fault}")))

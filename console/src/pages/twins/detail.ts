@@ -18,6 +18,7 @@ import { identifiabilityView } from './identifiability';
 import { verdictLine } from './verdict/level';
 import { parametersView } from './parameters';
 import { pythonButton } from './python';
+import { shareButton } from './share';
 import type { Quality } from './quality';
 import { sequencesView } from './recordings';
 import { scaleOf, type Scale } from './verdict/scale';
@@ -139,13 +140,14 @@ class TwinPage {
   }
 
   private otherActions(): HTMLElement[] {
-    const { context, capture, id } = this;
+    const { context, capture, id, twin } = this;
     const own = capture === null ? {} : { capture: idOf(capture.name) };
     const question = { title: 'Delete this twin?', text: 'It goes to the trash, if this server has one. Its capture and its fit are kept.' };
     const link = (text: string, href: string): HTMLElement => h('a', { class: 'button quiet', href }, text);
     return [
       ...(capture === null ? [] : [link('Beside its recording', `#/captures/${own.capture}/playback?twin=${id}`)]),
       link('Refine', `#/fits/new?${new URLSearchParams({ from: id, ...own })}`),
+      shareButton(context, twin),
       menu('More', [
         h('a', { class: 'button', href: `#/twins/${id}/view` }, 'Nodes and springs in 3D'),
         deleteButton(context, this.#path, question, '#/twins', this.#faults),

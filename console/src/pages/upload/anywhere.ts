@@ -1,4 +1,5 @@
 import type { Api } from '../../api/client';
+import { visitedTwin } from '../../api/visit';
 import { h } from '../../ui/dom';
 import { counted, percent } from '../../ui/format';
 import { isUnderWay } from './transfers';
@@ -8,7 +9,8 @@ import { take, transfersOf } from './take';
 export function acceptDrops(api: Api): void {
   const veil = h('div', { class: 'drop-veil', hidden: true, 'aria-hidden': 'true' }, h('p', {}, 'Drop to upload'));
   let depth = 0;
-  const carriesFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes('Files') === true;
+  const carriesFiles = (event: DragEvent): boolean => 
+    visitedTwin() === null && event.dataTransfer?.types.includes('Files') === true;
   const enter = (by: number): void => {
     depth = Math.max(depth + by, 0);
     veil.hidden = depth === 0;

@@ -36,6 +36,11 @@ export function shareMenu(
       done.textContent = 'This is the link: copy it from the field.';
     }
   };
+  const twin = /^#\/twins\/([^/?]+)/.exec(location.hash)?.[1];
+  const invite = async (id: string): Promise<void> => {
+    const { openShares } = await import('../../pages/twins/share');
+    openShares(context, id, query());
+  };
   const picture = async (): Promise<void> => {
     download(await stage.picture(), fileName(name, 'png'));
     done.textContent = 'The picture is in your downloads.';
@@ -43,6 +48,7 @@ export function shareMenu(
   return panel('Share', true,
     h('div', { class: 'row' },
       h('button', { type: 'button', onclick: () => void link() }, 'Copy link'),
+      twin !== undefined && h('button', { type: 'button', onclick: () => void invite(twin) }, 'Link for anyone'),
       h('button', { type: 'button', onclick: () => void picture() }, 'Picture'),
       video((text) => (done.textContent = text))),
     field, done);

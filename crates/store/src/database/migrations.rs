@@ -20,7 +20,7 @@ pub(crate) use compatibility::{newer, require_alone};
 pub(crate) const BREAKING: &str = "breaking_";
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 24] = [
+const MIGRATIONS: [(i64, &str, &str); 25] = [
     (1, "initial", include_str!("../../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../../migrations/0003_uploads.sql")),
@@ -44,6 +44,7 @@ const MIGRATIONS: [(i64, &str, &str); 24] = [
     (21, "trash", include_str!("../../migrations/0021_trash.sql")),
     (22, "sign_in", include_str!("../../migrations/0022_sign_in.sql")),
     (23, "previews", include_str!("../../migrations/0023_previews.sql")),
+    (24, "shares", include_str!("../../migrations/0024_shares.sql")),
     (25, "level", include_str!("../../migrations/0025_level.sql")),
 ];
 

@@ -1,5 +1,7 @@
 use std::time::Duration;
 
+use bendtwin_core::ids::{ShareId, TwinId};
+
 use super::*;
 use crate::{
     database::testing::{On, on_both},
@@ -11,6 +13,9 @@ on_both! {
     the_last_use_does_not_go_back,
     sign_ins_of_a_person_are_bounded_and_forgotten,
     a_sign_in_ends_those_with_other_rights,
+    shares_are_listed_by_twin_and_end_with_the_key_that_made_them,
+    shares_of_people_end_when_their_rights_do,
+    shares_of_a_twin_are_bounded_and_forgotten,
 }
 
 fn new(name: &str) -> NewKey {
@@ -100,9 +105,9 @@ async fn sign_ins_of_a_person_are_bounded_and_forgotten(on: On) {
     assert_eq!(valid, sign_ins::MOST_SIGN_INS as usize);
     assert_eq!(keys.get(other.id).await.unwrap().revoked, None, "of another person");
 
-    assert_eq!(keys.forget_sign_ins(other.expires.unwrap()).await.unwrap(), 0);
+    assert_eq!(keys.forget_ended(other.expires.unwrap()).await.unwrap(), 0);
     let all = 1 + sign_ins::MOST_STORED as u64;
-    assert_eq!(keys.forget_sign_ins(end).await.unwrap(), all);
+    assert_eq!(keys.forget_ended(end).await.unwrap(), all);
     assert_eq!(keys.all().await.unwrap(), [robot]);
 }
 
@@ -125,4 +130,94 @@ async fn a_sign_in_ends_those_with_other_rights(on: On) {
     assert_eq!(keys.get(ended[0].id).await.unwrap().revoked, now);
     let renamed = NewKey { owner: "ada@example.org".to_owned(), ..narrower() };
     assert_eq!(keys.sign_in(renamed).await.unwrap().ended.len(), 1);
+}
+
+fn share_by(by: Option<KeyId>, twin: TwinId, bench: &Bench) -> NewShare {
+    let expires = Some(bench.store.now() + Duration::from_secs(60));
+    NewShare { key: NewKey { owner: "ada".to_owned(), expires, ..new("share") }, twin, by }
+}
+
+async fn shares_are_listed_by_twin_and_end_with_the_key_that_made_them(on: On) {
+    let bench = Bench::new(on).await;
+    let keys = bench.store.keys();
+    let (twin, other) = (TwinId::generate(), TwinId::generate());
+    let ada = keys.create(new("ada")).await.unwrap();
+    let first = keys.share(share_by(Some(ada.id), twin, &bench)).await.unwrap();
+    let by = Some(ada.id.uuid().to_string());
+    assert_eq!(first.share, Some(Share { twin, by }));
+    let second = keys.share(share_by(None, twin, &bench)).await.unwrap();
+    assert_eq!(second.share, Some(Share { twin, by: None }));
+    let elsewhere = keys.share(share_by(Some(ada.id), other, &bench)).await.unwrap();
+
+    let mut page = PageRequest { size: 1, token: String::new() };
+    let listed = keys.shares_of(twin, &page).await.unwrap();
+    assert_eq!(listed.items, std::slice::from_ref(&second));
+    page.token = listed.next_token;
+    assert_eq!(keys.shares_of(twin, &page).await.unwrap().items, std::slice::from_ref(&first));
+    assert!(keys.shares_of(other, &page).await.is_err(), "a token of another list");
+    let id = |key: &Key| ShareId::from(key.id.uuid());
+    assert_eq!(keys.get_share(id(&first)).await.unwrap().0, first);
+    for missing in [id(&ada), ShareId::generate()] {
+        let found = keys.get_share(missing).await;
+        assert!(matches!(found, Err(Error::NotFound { name }) if name == missing.to_string()));
+    }
+
+    // The revocation of a share ends nothing else.
+    assert_eq!(keys.revoke_with_shares(second.id).await.unwrap().len(), 1);
+    let mut revoked = keys.revoke_with_shares(ada.id).await.unwrap();
+    revoked[1..].sort_by_key(|key| key.id);
+    let now = Some(bench.store.now());
+    let expected = [&ada, &first, &elsewhere].map(|key| Key { revoked: now, ..key.clone() });
+    assert_eq!(revoked, expected);
+    let refused = keys.share(share_by(Some(ada.id), twin, &bench)).await;
+    assert!(matches!(refused, Err(Error::NotFound { .. })), "made with a key that is revoked");
+}
+
+async fn shares_of_people_end_when_their_rights_do(on: On) {
+    let bench = Bench::new(on).await;
+    let (keys, twin) = (bench.store.keys(), TwinId::generate());
+    let sign_in = || sign_in_of("issuer 1", &bench);
+    let first = keys.sign_in(sign_in()).await.unwrap().key;
+    let share = keys.share(share_by(Some(first.id), twin, &bench)).await.unwrap();
+    assert_eq!(share.share.unwrap().by.as_deref(), Some("issuer 1"));
+    // Signing out leaves it, also when they sign in again.
+    keys.revoke(first.id).await.unwrap();
+    let second = keys.sign_in(sign_in()).await.unwrap();
+    assert_eq!(second.ended, []);
+    assert_eq!(keys.get(share.id).await.unwrap().revoked, None);
+    // Other rights end it, and so does the revocation of any of their sign-ins.
+    let other = NewKey { scopes: vec!["twins:read".into()], ..sign_in() };
+    let third = keys.sign_in(other).await.unwrap();
+    let ended: Vec<_> = third.ended.iter().map(|key| key.id).collect();
+    assert_eq!(ended, [second.key.id, share.id]);
+    let share = keys.share(share_by(Some(third.key.id), twin, &bench)).await.unwrap();
+    let revoked = keys.revoke_with_shares(second.key.id).await.unwrap();
+    assert_eq!(revoked.iter().map(|key| key.id).collect::<Vec<_>>(), [second.key.id, share.id]);
+}
+
+async fn shares_of_a_twin_are_bounded_and_forgotten(on: On) {
+    let bench = Bench::new(on).await;
+    let (keys, twin) = (bench.store.keys(), TwinId::generate());
+    let mut made = Vec::new();
+    for _ in 0..shares::MOST_SHARES {
+        bench.clock.advance(Duration::from_millis(1));
+        made.push(keys.share(share_by(None, twin, &bench)).await.unwrap());
+    }
+    let full = keys.share(share_by(None, twin, &bench)).await;
+    assert!(matches!(full, Err(Error::TooManyShares { limit: shares::MOST_SHARES, .. })));
+    keys.share(share_by(None, TwinId::generate(), &bench)).await.unwrap();
+    for _ in made.len()..=shares::MOST_STORED as usize {
+        keys.revoke(made.last().unwrap().id).await.unwrap();
+        bench.clock.advance(Duration::from_millis(1));
+        made.push(keys.share(share_by(None, twin, &bench)).await.unwrap());
+    }
+    // Those that are valid stay, however old.
+    let page = PageRequest { size: 1000, token: String::new() };
+    let kept = keys.shares_of(twin, &page).await.unwrap().items;
+    let valid = kept.iter().filter(|key| key.revoked.is_none()).count();
+    assert_eq!(valid, shares::MOST_SHARES as usize);
+    assert!(kept.len() <= (shares::MOST_STORED + shares::MOST_SHARES) as usize, "{}", kept.len());
+    let end = bench.store.now() + Duration::from_secs(61);
+    keys.forget_ended(end).await.unwrap();
+    assert_eq!(keys.all().await.unwrap(), []);
 }

@@ -180,12 +180,12 @@ impl Usage<'_> {
         sql.build().fetch_all(self.store.inner.database.read()).await
     }
 
-    /// Owners of valid keys, with the bounds of each.
+    /// Owners of valid keys, with the bounds of each. Shares have no bounds.
     async fn bounds(&self) -> Result<Vec<(String, Quotas)>> {
         let mut sql = Builder::new(
             "select owner, max_queued_jobs, max_stored_bytes, max_rollouts, max_running_jobs,
                  max_fit_run_s, max_priority from keys
-             where revoked_at is null and (expires_at is null or expires_at > ",
+             where twin is null and revoked_at is null and (expires_at is null or expires_at > ",
         );
         sql.push_bind(self.store.now_micros()).push(")");
         let rows: Vec<Bounds> = sql.build().fetch_all(self.store.inner.database.read()).await?;

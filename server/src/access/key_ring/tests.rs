@@ -100,6 +100,7 @@ fn key() -> Key {
         revoked: None,
         used: None,
         signed_in_as: None,
+        share: None,
     }
 }
 

@@ -15,7 +15,7 @@ use crate::{
     sign_in::{self, Challenge, Device, Proof, SignIn},
 };
 
-/// Time for which an ended sign-in is kept, so that its holder is asked to sign in again.
+/// Time for which an ended sign-in or share is kept, so that its holder learns that it has ended.
 const REMEMBERED: Duration = Duration::from_secs(30 * 86_400);
 
 /// The caller, as people ask for it.
@@ -87,7 +87,8 @@ impl App {
         done
     }
 
-    /// Signs the caller out: revokes the key of a sign-in. Other keys stay valid.
+    /// Signs the caller out: revokes the key of a sign-in. Other keys stay valid, and so do the shares
+    /// that the person has made.
     pub(crate) async fn delete_sign_in(&self) -> Result<()> {
         let Some(id) = Context::current().caller.key else { return Ok(()) };
         if self.store.keys().get(id).await?.signed_in_as.is_none() {
@@ -112,15 +113,17 @@ impl App {
         };
         let all = || Scope::ALL.map(|scope| scope.as_str().to_owned()).into();
         let scopes = key.as_ref().map_or_else(all, |key| key.scopes.clone());
-        Ok(WhoAmI { owner: caller.owner.to_string(), scopes, key })
+        // Visitors do not learn who has invited them.
+        let owner = if caller.share.is_some() { "" } else { &*caller.owner };
+        Ok(WhoAmI { owner: owner.to_owned(), scopes, key })
     }
 
-    /// Deletes sign-ins that ended long ago.
-    pub(in crate::app) async fn forget_sign_ins(&self) -> Result<()> {
+    /// Deletes sign-ins and shares that ended long ago.
+    pub(in crate::app) async fn forget_ended_keys(&self) -> Result<()> {
         let before = self.store.now() - REMEMBERED;
-        let forgotten = self.store.keys().forget_sign_ins(before).await?;
+        let forgotten = self.store.keys().forget_ended(before).await?;
         if forgotten > 0 {
-            tracing::info!(forgotten, "sign-ins that had ended are removed");
+            tracing::info!(forgotten, "sign-ins and shares that had ended are removed");
         }
         Ok(())
     }

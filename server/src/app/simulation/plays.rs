@@ -15,7 +15,11 @@ use bendtwin_proto::{
 use futures::{FutureExt as _, StreamExt as _, future::BoxFuture};
 
 use super::super::{App, Error, Plan, Result};
-use crate::{access::Scope, context::Context};
+use crate::{
+    access::{Limited, Scope},
+    app::shares::Seat,
+    context::Context,
+};
 
 impl App {
     /// The twin of a name, if the caller may play with it.
@@ -32,8 +36,10 @@ impl App {
         problem: fn(Error, &Context) -> serde_json::Value,
     ) -> Result<Player> {
         self.plays.require_room()?;
+        let seat = self.share_seat()?;
         let geometry = self.geometry_of(twin, false).await?.message;
-        let host = Arc::new(PlayHost { app: self.clone(), context: Context::current(), problem });
+        let context = Context::current();
+        let host = Arc::new(PlayHost { app: self.clone(), context, problem, _seat: seat });
         Ok(self.plays.begin(host, twin, &geometry, begin).await?)
     }
 
@@ -54,6 +60,8 @@ struct PlayHost {
     /// The context of the request that began the play.
     context: Context,
     problem: fn(Error, &Context) -> serde_json::Value,
+    /// The seat of a play that was begun with a share.
+    _seat: Option<Seat>,
 }
 
 impl PlayHost {
@@ -125,6 +133,11 @@ impl Host for PlayHost {
         request: PlanRequest,
         limit: Duration,
     ) -> BoxFuture<'_, Result<bendtwin_play::Updates, PlayError>> {
+        if let Some(share) = self.context.caller.share {
+            // A search takes as much as many plays do.
+            let refused = Error::from(Limited::ToTwin(share.twin));
+            return std::future::ready(Err(refused.into())).boxed();
+        }
         let plan = Plan { request, timeout: Some(limit), as_lists: false, memory: Arc::default() };
         self.call(async move {
             let updates = self.app.plan(plan).await?;

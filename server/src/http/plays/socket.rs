@@ -41,6 +41,8 @@ enum Event {
     Facts,
     State,
     Ping,
+    /// The key of the browser is not valid any more.
+    Refused(Error),
 }
 
 /// A browser that plays.
@@ -120,6 +122,8 @@ impl Channel {
         self.view.states.mark_changed();
         self.view.facts.mark_changed();
         let mut stopping = Box::pin(self.app.stopped());
+        let app = self.app.clone();
+        let mut refused = std::pin::pin!(app.key_ended());
         let mut ping = tokio::time::interval(PING_INTERVAL);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
@@ -128,6 +132,7 @@ impl Channel {
                 biased;
                 reply = reply(player) => Event::Reply(reply),
                 () = ended(&mut self.view.farewell) => Event::Ended,
+                error = &mut refused => Event::Refused(error),
                 () = &mut stopping, if player.is_none() => Event::Ended,
                 frame = self.socket.recv() => Event::Heard(frame.and_then(Result::ok)),
                 Ok(()) = self.view.facts.changed() => Event::Facts,
@@ -163,6 +168,11 @@ impl Channel {
                     self.on_their_way.push(u32::from_le_bytes(number));
                     send(&mut self.socket, Frame::Binary(state)).await?;
                 }
+            }
+            Event::Refused(error) => {
+                let text = plays::ended(Some(problem(error, &Context::current())));
+                self.leave(Some(text.into())).await?;
+                return Ok(false);
             }
             Event::Ping => {
                 if self.heard.elapsed() > PATIENCE {

@@ -63,6 +63,7 @@ pub(super) struct Estate {
     fit: String,
     pub(super) twin: String,
     upload: String,
+    share: String,
     session: String,
     play: String,
     /// Key of `ada` without bounds.
@@ -93,6 +94,10 @@ impl Estate {
         let upload = post("/v1/uploads").header("tus-resumable", "1.0.0");
         let upload = upload.header("upload-length", "9").send().await.unwrap();
         let upload = upload.headers()["location"].to_str().unwrap().replace("/v1/", "");
+        let order = json!({"display_name": "the board"});
+        let share = post(&format!("/v1/{twin}/shares")).json(&order).send().await.unwrap();
+        let (_, share) = read(share).await;
+        let share = share["share"]["name"].as_str().unwrap().to_owned();
         let session = made(post("/v1/sessions").json(&json!({"twin": twin}))).await;
         let authorization = format!("Bearer {key}");
         let headers = [("authorization", authorization.as_str())];
@@ -106,6 +111,7 @@ impl Estate {
             fit,
             twin,
             upload,
+            share,
             session,
             play: name,
             key,
@@ -121,6 +127,7 @@ impl Estate {
             "captures" | "CaptureService" => &self.capture,
             "fits" | "FitService" => &self.fit,
             "uploads" => &self.upload,
+            "shares" => &self.share,
             "sessions" | "SessionService" => &self.session,
             "plays" => &self.play,
             _ => &self.twin,
@@ -129,7 +136,7 @@ impl Estate {
 
     /// The request of a route about what is here.
     fn route(&self, method: &str, path: &str) -> reqwest::RequestBuilder {
-        let collection = path.split('/').nth(2).unwrap();
+        let collection = path.split('/').nth(2).unwrap_or_default();
         let id = self.of(collection).rsplit('/').next().unwrap();
         let path = path.replace("{id}", id).replace("{kind}", "masks");
         let method = reqwest::Method::from_bytes(method.as_bytes()).unwrap();
@@ -196,6 +203,7 @@ impl Estate {
             "EvaluateTwin" => {
                 v1::EvaluateTwinRequest { twin, capture, ..Default::default() }.encode_to_vec()
             }
+            "DeleteShare" => v1::DeleteShareRequest { name: self.share.clone() }.encode_to_vec(),
             "UndeleteCapture" => v1::UndeleteCaptureRequest { name: capture }.encode_to_vec(),
             "UndeleteFit" => v1::UndeleteFitRequest { name: self.fit.clone() }.encode_to_vec(),
             "OpenSession" => v1::OpenSessionRequest { twin, ..Default::default() }.encode_to_vec(),
@@ -214,7 +222,7 @@ impl Estate {
     }
 
     /// Makes a call of the table. Returns the reason and the message of a refusal, if any.
-    async fn call(&self, name: &str, key: &str) -> (String, String) {
+    pub(super) async fn call(&self, name: &str, key: &str) -> (String, String) {
         let request = match name.split_once(' ') {
             Some((method, path)) => self.route(method, path),
             None => self.rpc(name),

@@ -1,4 +1,4 @@
-//! `bendtwin demo --open` on a machine without a screen.
+//! `bendtwin demo --open` on a machine without a screen, and a link to its twin.
 
 use std::{io::BufRead as _, process::Stdio, time::Duration};
 
@@ -8,6 +8,34 @@ use super::apart;
 use crate::harness::{command::bendtwin, play::Play, process::signal, within};
 
 const SOON: Duration = Duration::from_secs(300);
+
+/// Somebody without a token plays with the twin until the link is revoked, and cannot search.
+async fn others_play_through_a_link(url: &str, twin: &str, token: &str) {
+    let ask = |arguments: &[&str]| -> Value {
+        let mut command = bendtwin();
+        command.args(["--json"]).args(arguments).args(["--server", url]);
+        let output = command.env("BENDTWIN_TOKEN", token).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let made = ask(&["twin", "share", twin, "--days", "1", "--for", "a friend"]);
+    let page = format!("{url}/#/{}?key=", twin.replace("twins/", "shared/"));
+    let key = made["link"].as_str().unwrap().strip_prefix(&page).unwrap();
+    let protocols = format!("bendtwin.play.v1, bendtwin.token, {key}");
+    let path = format!("/v1/{twin}/play");
+    let mut play = Play::connect(url, &path, &[("sec-websocket-protocol", &protocols)]).await;
+    play.send(json!({"type": "begin"})).await;
+    play.shown("a state", |_| true).await;
+    play.send(json!({"type": "goal", "targets": [{"node": 0, "position": [0, 0, 1]}]})).await;
+    let refused = play.message("a refusal", |text| text["type"] == "refused").await;
+    assert_eq!(refused["problem"]["reason"], "SHARE_LIMITED", "{refused}");
+    let shares = ask(&["twin", "shares", twin]);
+    let share = &shares[0];
+    assert_eq!((&share["display_name"], &share["allow_export"]), (&json!("a friend"), &json!(false)));
+    ask(&["twin", "unshare", share["name"].as_str().unwrap()]);
+    play.closed().await;
+    assert_eq!(play.replies.last().unwrap()["problem"]["reason"], "SHARE_ENDED");
+}
 
 #[tokio::test]
 async fn the_demo_stays_with_a_rope_that_can_be_dragged() {
@@ -38,6 +66,8 @@ async fn the_demo_stays_with_a_rope_that_can_be_dragged() {
     })
     .await;
     drop(play);
+    let twin = path.strip_prefix("/v1/").unwrap().strip_suffix("/play").unwrap();
+    others_play_through_a_link(url, twin, token).await;
     signal(pid, "INT");
     let ended = tokio::task::spawn_blocking(move || child.wait());
     let status = within("the end of the demo", SOON, ended).await.unwrap().unwrap();

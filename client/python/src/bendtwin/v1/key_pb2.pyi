@@ -11,7 +11,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Key(_message.Message):
-    __slots__ = ("name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas", "is_sign_in")
+    __slots__ = ("name", "display_name", "owner", "scopes", "create_time", "expire_time", "revoke_time", "last_use_time", "quotas", "is_sign_in", "twin")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     OWNER_FIELD_NUMBER: _ClassVar[int]
@@ -22,6 +22,7 @@ class Key(_message.Message):
     LAST_USE_TIME_FIELD_NUMBER: _ClassVar[int]
     QUOTAS_FIELD_NUMBER: _ClassVar[int]
     IS_SIGN_IN_FIELD_NUMBER: _ClassVar[int]
+    TWIN_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     owner: str
@@ -32,7 +33,8 @@ class Key(_message.Message):
     last_use_time: _timestamp_pb2.Timestamp
     quotas: KeyQuotas
     is_sign_in: bool
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., owner: _Optional[str] = ..., scopes: _Optional[_Iterable[str]] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., expire_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revoke_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., last_use_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., quotas: _Optional[_Union[KeyQuotas, _Mapping]] = ..., is_sign_in: bool = ...) -> None: ...
+    twin: str
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., owner: _Optional[str] = ..., scopes: _Optional[_Iterable[str]] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., expire_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revoke_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., last_use_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., quotas: _Optional[_Union[KeyQuotas, _Mapping]] = ..., is_sign_in: bool = ..., twin: _Optional[str] = ...) -> None: ...
 
 class KeyQuotas(_message.Message):
     __slots__ = ("queued_jobs", "stored_bytes", "rollouts", "running_jobs", "fit_run_s", "priority")

@@ -82,7 +82,8 @@ class KeyServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def DeleteKey(self, request, context):
-        """Revokes a key: after 30 s no server accepts it any more. The key stays in the list, with its `revoke_time`.
+        """Revokes a key, with the shares that were made with it: after 30 s no server accepts them any more. They stay in
+        the list, with their `revoke_time`. The key of a sign-in ends the shares of its person.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -3,7 +3,7 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 
 use super::*;
-use crate::{Caller, Capture, Fit, Key, OwnerUsage, Session, Supplement, Twin, Worker};
+use crate::{Caller, Capture, Fit, Key, OwnerUsage, Session, Share, Supplement, Twin, Worker};
 
 #[test]
 fn a_resource_has_every_field_of_its_message() {
@@ -17,6 +17,7 @@ fn a_resource_has_every_field_of_its_message() {
         ("Key", Key::NAMES),
         ("OwnerUsage", OwnerUsage::NAMES),
         ("Session", Session::NAMES),
+        ("Share", Share::NAMES),
         ("Supplement", Supplement::NAMES),
         ("Twin", Twin::NAMES),
         ("Worker", Worker::NAMES),
