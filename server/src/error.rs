@@ -170,7 +170,9 @@ pub(crate) enum Error {
     #[error("the server is stopping: retry")]
     #[problem(Unavailable, "STOPPING", retry = SOON)]
     Stopping,
-    #[error(transparent)]
+    /// An error of a play, with the reason that the host gave where a call of the play failed.
+    #[error("{0}")]
+    #[problem(_0.category(), "WORKER_FAULT", retry = _0.retry_after(), fault = _0.fault())]
     Play(#[from] bendtwin_play::Error),
     /// The answer of a worker, unchanged.
     #[error("{0}")]

@@ -106,7 +106,8 @@ impl App {
     /// The id of what a client names, if the caller reaches it with the scope of the call.
     ///
     /// # Errors
-    /// [`Error::Name`]; [`Error::NotOwner`]; [`Error::Shared`]; for a scope that is bound, that there is no such thing.
+    /// [`Error::Name`]; [`Error::NotOwner`]; [`Error::Shared`]; for a scope that is bound, that there is
+    /// no such thing.
     pub(super) async fn reach<T: Owned>(&self, scope: Scope, name: &str) -> Result<T> {
         let id: T = name.parse().map_err(Error::Name)?;
         if let Some(share) = Context::current().caller.share {

@@ -259,7 +259,7 @@ async fn shares_are_made_listed_and_revoked_over_both_transports() {
     assert_eq!((page.shares[0].name.as_str(), page.shares[0].allow_export), (name.as_str(), true));
     let list = ListSharesRequest { page_token: page.next_page_token, ..list };
     let page = shares.list_shares(list).await.unwrap().into_inner();
-    assert_eq!((&page.shares[0].name, page.next_page_token.as_str()), (&first.name, ""));
+    assert_eq!(page.shares[0].name, first.name);
 
     let request = DeleteShareRequest { name: first.name.clone() };
     shares.delete_share(request.clone()).await.unwrap();
