@@ -31,7 +31,10 @@ async fn others_play_through_a_link(url: &str, twin: &str, token: &str) {
     assert_eq!(refused["problem"]["reason"], "SHARE_LIMITED", "{refused}");
     let shares = ask(&["twin", "shares", twin]);
     let share = &shares[0];
-    assert_eq!((&share["display_name"], &share["allow_export"]), (&json!("a friend"), &json!(false)));
+    assert_eq!(
+        (&share["display_name"], &share["allow_export"]),
+        (&json!("a friend"), &json!(false))
+    );
     ask(&["twin", "unshare", share["name"].as_str().unwrap()]);
     play.closed().await;
     assert_eq!(play.replies.last().unwrap()["problem"]["reason"], "SHARE_ENDED");
