@@ -65,6 +65,7 @@ mod tests {
             iterations: (1..=losses.len() as u32).collect(),
             losses: losses.to_vec(),
             best_losses: losses.to_vec(),
+            errors_m: vec![None; losses.len()],
         }
     }
 
