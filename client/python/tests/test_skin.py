@@ -133,3 +133,22 @@ def test_the_returned_skin_is_where_the_nodes_carry_it(twin):
     np.testing.assert_allclose(
         skin.positions(twin.geometry().rest_positions), skin.rest_positions, atol=1e-6
     )
+
+
+@needs_server
+def test_a_surface_lies_around_the_skin(twin):
+    surface, rest = twin.surface(), twin.geometry().rest_positions
+    assert twin.surface() is surface
+    placed = surface.positions(rest)
+    np.testing.assert_allclose(placed, surface.carriers.rest_positions, atol=1e-6)
+    assert len(surface.triangles) > 0
+    assert surface.triangles.max() < len(placed)
+    # Closed: each edge belongs to two triangles, once in each direction.
+    edges = np.concatenate([surface.triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
+    assert len(np.unique(edges, axis=0)) == len(edges)
+    assert {tuple(e) for e in edges.tolist()} == {tuple(e) for e in edges[:, ::-1].tolist()}
+    assert surface.colors is None or surface.colors.shape == placed.shape
+    skin = twin.geometry().skin.rest_positions
+    margin = twin.geometry().spacing_m
+    assert (placed.min(axis=0) < skin.min(axis=0) + margin).all()
+    assert (placed.max(axis=0) > skin.max(axis=0) - margin).all()

@@ -403,8 +403,8 @@ class Client:
     ) -> Iterator[Twin]:
         """All twins, newest first, or those of a capture, with a text or a tag, or of a level of
         trust: good, fair, poor or unknown."""
-        pages = self._caller.pages(calls.list_twins(capture, level, choice))
-        return (self._twin(info) for info in pages)
+        call = calls.list_twins(capture, level, choice)
+        return (self._twin(info) for info in self._caller.pages(call))
 
     def update_twin(self, name: str, **change: Unpack[LabelArguments]) -> Twin:
         """Changes display name, note and tags of a twin; omitted ones stay."""
@@ -459,9 +459,9 @@ class Client:
     def share_twin(
         self, name: str, *, display_name: str = "", days: float = 7, allow_export: bool = False
     ) -> MadeShare:
-        """Makes a link by which people without a token look at a twin and play with it, for up to 90
-        days. `display_name` is for whom it is; `allow_export` lets them download the twin. A server
-        that requires no token refuses with the reason `SHARE_NOT_NEEDED`."""
+        """Makes a link by which people without a token look at a twin and play with it, for up to
+        90 days. `display_name` is for whom it is; `allow_export` lets them download the twin. A
+        server that requires no token refuses with the reason `SHARE_NOT_NEEDED`."""
         made = owner_calls.share_twin(self._url, name, display_name, days, allow_export)
         return self._caller.run(made)
 

@@ -53,13 +53,13 @@ class Surface:
             return empty if value is None else value
 
         none = np.zeros(0, np.uint32)
-        colors = unpack(message.colors)
+        colors = array(message.colors, np.zeros((0, 3), np.uint8))
         starts, nodes = array(message.tube_starts, none), array(message.tube_nodes, none)
         radii = array(message.tube_radii, none.astype(np.float32))
         along = [nodes[a:b] for a, b in pairwise(starts)]
         return cls(
             carriers=Skin.from_proto(message.carriers),
             triangles=array(message.triangles, none.reshape(0, 3)),
-            colors=None if colors is None or colors.size == 0 else colors,
+            colors=None if colors.size == 0 else colors,
             tubes=[Tube(n, float(radius)) for n, radius in zip(along, radii, strict=True)],
         )
