@@ -79,7 +79,7 @@ describe('fits and twins', () => {
   });
 
   it('go on being watched after the server was killed', async () => {
-    const settings = { effort: 'draft', refine: { passes: 300 } };
+    const settings = { effort: 'draft', refine: { passes: 120 } };
     const body = { capture, display_name: 'interrupted', settings };
     const { name } = await call<{ name: string }>(server, 'POST', '/v1/fits', body);
     const visit = await Visit.open(browser, server, { at: `/${name}` });
