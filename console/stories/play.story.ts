@@ -258,7 +258,7 @@ describe('the playground', () => {
     await visit.stop('view-surface');
     await skin.uncheck();
     const pixels = changed(surface, await settled(page), 60);
-    // A surface in the colours of the rope, of which parts are seen more than others, and none in one colour of its own.
+    // A surface in the colours of the rope, of which parts are seen more than others, and no single colour.
     expect(pixels.length).toBeGreaterThan(3000);
     expect(distance(mean(surface, pixels), await coloursOf(twin))).toBeLessThan(90);
     await page.getByRole('checkbox', { name: 'Springs' }).check();

@@ -22,7 +22,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use contract::Contract;
 
-const FILES: [&str; 21] = [
+const FILES: [&str; 20] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -34,7 +34,6 @@ const FILES: [&str; 21] = [
     "bendtwin/v1/retention.proto",
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/key.proto",
-    "bendtwin/v1/share.proto",
     "bendtwin/v1/project.proto",
     "bendtwin/v1/usage.proto",
     "bendtwin/v1/sign_in.proto",

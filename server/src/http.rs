@@ -19,7 +19,6 @@ mod registrations;
 mod rollouts;
 pub(crate) mod root_service;
 mod sessions;
-mod thumbnails;
 mod twins;
 pub(crate) mod uploads;
 
@@ -123,8 +122,8 @@ pub(crate) fn by_hand() -> Routes {
         .on("GET", "/v1/twins/{id}/geometry", twins::geometry)
         .on("GET", "/v1/twins/{id}/surface", twins::surface)
         .on("GET", "/v1/twins/{id}/export", twins::export)
-        .on("GET", "/v1/twins/{id}/thumbnail", thumbnails::twin)
-        .on("GET", "/v1/captures/{id}/thumbnail", thumbnails::capture)
+        .on("GET", "/v1/twins/{id}/thumbnail", download::thumbnails::twin)
+        .on("GET", "/v1/captures/{id}/thumbnail", download::thumbnails::capture)
         .on("POST", "/v1/twins/{id}/rollouts", rollouts::create)
         .on("POST", "/v1/twins/{id}/rollouts/stream", rollouts::stream::stream)
         .on("POST", "/v1/twins/{id}/register", registrations::register)

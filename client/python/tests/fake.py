@@ -16,12 +16,12 @@ from bendtwin.v1 import (
     fit_pb2,
     fit_pb2_grpc,
     job_pb2,
+    key_pb2,
+    key_pb2_grpc,
     project_pb2,
     project_pb2_grpc,
     rollout_pb2,
     rollout_pb2_grpc,
-    share_pb2,
-    share_pb2_grpc,
     tensor_pb2,
     trash_pb2,
     trash_pb2_grpc,
@@ -62,7 +62,7 @@ class Fake(
     twin_pb2_grpc.TwinServiceServicer,
     rollout_pb2_grpc.RolloutServiceServicer,
     project_pb2_grpc.ProjectServiceServicer,
-    share_pb2_grpc.ShareServiceServicer,
+    key_pb2_grpc.ShareServiceServicer,
     usage_pb2_grpc.UsageServiceServicer,
     trash_pb2_grpc.TrashServiceServicer,
 ):
@@ -246,19 +246,19 @@ class Fake(
 
     def ShareTwin(self, request, context):
         self.update = request
-        share = share_pb2.Share(name=SHARE, twin=request.twin, display_name=request.display_name)
-        return share_pb2.ShareTwinResponse(share=share, secret_key="bt_1")
+        share = key_pb2.Share(name=SHARE, twin=request.twin, display_name=request.display_name)
+        return key_pb2.ShareTwinResponse(share=share, secret_key="bt_1")
 
     def ListShares(self, request, context):
         page = int(request.page_token or 0)
-        return share_pb2.ListSharesResponse(
-            shares=[share_pb2.Share(name=f"shares/{page}", twin=request.twin)],
+        return key_pb2.ListSharesResponse(
+            shares=[key_pb2.Share(name=f"shares/{page}", twin=request.twin)],
             next_page_token=str(page + 1) if page < 2 else "",
         )
 
     def DeleteShare(self, request, context):
         self.removed = request
-        return share_pb2.DeleteShareResponse()
+        return key_pb2.DeleteShareResponse()
 
     def GetFitLosses(self, request, context):
         curve = fit_pb2.FitLosses.LossCurve(
@@ -456,7 +456,7 @@ def serve(fake: Fake) -> tuple[grpc.Server, str]:
     twin_pb2_grpc.add_TwinServiceServicer_to_server(fake, server)
     rollout_pb2_grpc.add_RolloutServiceServicer_to_server(fake, server)
     project_pb2_grpc.add_ProjectServiceServicer_to_server(fake, server)
-    share_pb2_grpc.add_ShareServiceServicer_to_server(fake, server)
+    key_pb2_grpc.add_ShareServiceServicer_to_server(fake, server)
     usage_pb2_grpc.add_UsageServiceServicer_to_server(fake, server)
     trash_pb2_grpc.add_TrashServiceServicer_to_server(fake, server)
     port = server.add_insecure_port("127.0.0.1:0")

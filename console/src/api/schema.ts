@@ -472,7 +472,7 @@ export interface paths {
         };
         /**
          * Get fit preview
-         * @description What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason PREVIEW_MISSING where there is none.
+         * @description What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason PREVIEW_MISSING without one.
          */
         get: operations["GetFitPreview"];
         put?: never;
@@ -3215,7 +3215,7 @@ export interface components {
             ttl_s?: number;
         };
         ShareTwinResponse: {
-            /** @description Its key, `bt_{id}_{secret}`, which the link `/#/shared/{id of the twin}?key={key}` contains. */
+            /** @description The key, `bt_{id}_{secret}`, which the link `/#/shared/{id of the twin}?key={key}` contains. */
             secret_key: string;
             share: components["schemas"]["Share"];
         };

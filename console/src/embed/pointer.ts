@@ -73,7 +73,7 @@ export class PointerPull {
     this.moved();
   };
 
-  /** The node pointed at; of those within reach one in front. Nodes reach as far as they are apart. */
+  /** The node pointed at; of those within reach one in front. A node reaches as far as the distance between nodes. */
   #nodeAt(at: Vector2, reach: number): number | null {
     const { camera, canvas } = this.stage;
     const count = this.twin.nodes.length / 3;

@@ -40,7 +40,7 @@ export async function twinsOf({ api, signal }: PageContext, capture: string): Pr
   return (await api.get('/v1/twins', { query, signal })).twins;
 }
 
-/** The twin to begin with: what the address asks for, or else the twin with the least error; empty if there is none. */
+/** The twin to begin with: what the address asks for, or else the twin with the least error; empty without one. */
 export function firstTwin(asked: string | null, twins: readonly Pick<Twin, 'name' | 'error_m'>[]): string {
   if (asked !== null && asked !== '') return asked;
   const error = (twin: Pick<Twin, 'error_m'>): number => twin.error_m ?? Infinity;

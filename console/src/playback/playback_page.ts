@@ -55,7 +55,7 @@ export class PlaybackPage {
   readonly #twinPlace = h('span');
   readonly #faults = h('div');
   #errors: Errors | null = null;
-  /** The chosen twin; `NO_TWIN` if none was wanted, empty if there is none. */
+  /** The chosen twin; `NO_TWIN` if none was wanted, empty without one. */
   #twin: string;
   #twinName = '';
   #address = 0;

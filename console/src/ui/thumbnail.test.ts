@@ -3,7 +3,7 @@ import { expect, test, vi } from 'vitest';
 import type { Api } from '../api/client';
 import { Pictures } from './thumbnail';
 
-/** An API that answers when it is told to. */
+/** An API that answers on request of the test. */
 class Server {
   readonly asked: string[] = [];
   readonly #answers: ((answer: Response | Error) => void)[] = [];
@@ -45,7 +45,7 @@ test('one that does not exist is not asked for again', async () => {
   expect(server.asked).toEqual(['/a']);
 });
 
-test('a few are fetched at once, the others in their order', async () => {
+test('a few are fetched together, the others in their order', async () => {
   const { server, all } = pictures();
   const loads = Array.from({ length: 6 }, (_, index) => all.load(`/${index}`));
   expect(server.asked).toEqual(['/0', '/1', '/2', '/3']);

@@ -2,15 +2,15 @@ import type { Api } from '../api/client';
 import { h } from './dom';
 import './thumbnail.css';
 
-/** Pictures that are fetched at once; others wait for their turn. */
+/** Pictures that are fetched together; others wait for their turn. */
 const AT_ONCE = 4;
 /** Distance from the window at which a picture is fetched. */
 const NEAR = '200px';
 
 /**
  * A small picture of a resource in a box of 80 x 60 CSS pixels, fetched from `path` of the API (as
- * `/v1/twins/ID/thumbnail`) when it comes near the window; a neutral box until then, and if there is
- * none. Drawn again within the life of `signal`, which is that of the page, it is there immediately.
+ * `/v1/twins/ID/thumbnail`) when it comes near the window; a neutral box until then, and without
+ * one. Drawn again within the life of `signal`, which is that of the page, it is there immediately.
  */
 export function thumbnail(api: Api, path: string, alt: string, signal: AbortSignal): HTMLElement {
   const box = placeholder();
@@ -47,12 +47,12 @@ export class Pictures {
     });
   }
 
-  /** The address of a picture that was loaded, null if there is none; undefined before. */
+  /** The address of a picture that was loaded, null without one; undefined before. */
   peek(path: string): string | null | undefined {
     return this.#known.get(path);
   }
 
-  /** The address of a picture (`blob:`), fetched once; null if there is none. */
+  /** The address of a picture (`blob:`), fetched once; null without one. */
   load(path: string): Promise<string | null> {
     const own = this.#all.get(path) ?? this.#fetch(path);
     this.#all.set(path, own);

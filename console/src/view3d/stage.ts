@@ -54,7 +54,7 @@ export class Stage {
   readonly #sharpness = new Sharpness();
   /** Points that the camera frames until the user moves it. */
   #framed: Vector3[] | null = null;
-  /** The calibrated camera through which one looks until the view is moved, and who is told then. */
+  /** The calibrated camera through which one looks until the view is moved, and the function called then. */
   #lens: { readonly pinhole: Pinhole; readonly left: () => void } | null = null;
   #request = 0;
   #disposed = false;
@@ -167,7 +167,7 @@ export class Stage {
     return true;
   }
 
-  /** Draws at once, with all pixels. The canvas keeps that until the end of this task only. */
+  /** Draws immediately, with all pixels. The canvas keeps that until the end of this task only. */
   drawNow(): void {
     this.#sharpness.restore();
     this.#resizeCanvas();

@@ -226,7 +226,7 @@ export class TwinView {
   }
 }
 
-/** True if a twin has colours of its own. */
+/** True if the colours of a twin are known. */
 export function hasColours({ appearance, surface }: Pick<TwinShape, 'appearance' | 'surface'>): boolean {
   return appearance !== null || (surface?.colours.length ?? 0) > 0;
 }

@@ -2791,7 +2791,7 @@ pub mod fit_service_client {
         }
         /// What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few
         /// iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason
-        /// PREVIEW_MISSING where there is none.
+        /// PREVIEW_MISSING without one.
         pub async fn get_fit_preview(
             &mut self,
             request: impl tonic::IntoRequest<super::GetFitPreviewRequest>,
@@ -2930,7 +2930,7 @@ pub mod fit_service_server {
         ) -> std::result::Result<tonic::Response<super::FitLosses>, tonic::Status>;
         /// What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few
         /// iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason
-        /// PREVIEW_MISSING where there is none.
+        /// PREVIEW_MISSING without one.
         async fn get_fit_preview(
             &self,
             request: tonic::Request<super::GetFitPreviewRequest>,
@@ -6746,6 +6746,86 @@ pub struct DeleteKeyRequest {
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteKeyResponse {}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct Share {
+    /// shares/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// twins/{uuid}
+    #[prost(string, tag = "2")]
+    pub twin: ::prost::alloc::string::String,
+    #[prost(string, tag = "3")]
+    pub display_name: ::prost::alloc::string::String,
+    /// Owner of the key that made the share.
+    #[prost(string, tag = "4")]
+    pub owner: ::prost::alloc::string::String,
+    /// True if its holder may download the twin.
+    #[prost(bool, tag = "5")]
+    pub allow_export: bool,
+    #[prost(message, optional, tag = "6")]
+    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// The share is refused from this time on.
+    #[prost(message, optional, tag = "7")]
+    pub expire_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// Absent unless the share has been revoked.
+    #[prost(message, optional, tag = "8")]
+    pub revoke_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// Last use, accurate to about a minute; absent if the share has not been used.
+    #[prost(message, optional, tag = "9")]
+    pub last_use_time: ::core::option::Option<::prost_types::Timestamp>,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ShareTwinRequest {
+    /// twins/{uuid}
+    #[prost(string, tag = "1")]
+    pub twin: ::prost::alloc::string::String,
+    /// For whom the link is: up to 200 characters.
+    #[prost(string, tag = "2")]
+    pub display_name: ::prost::alloc::string::String,
+    /// Time until it expires, at most 90 days \[s\]. Default (0): 7 days.
+    #[prost(uint64, tag = "3")]
+    pub ttl_s: u64,
+    /// The time at which it expires; not together with `ttl_s`.
+    #[prost(message, optional, tag = "4")]
+    pub expire_time: ::core::option::Option<::prost_types::Timestamp>,
+    /// True if its holder may download the twin.
+    #[prost(bool, tag = "5")]
+    pub allow_export: bool,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ShareTwinResponse {
+    #[prost(message, optional, tag = "1")]
+    pub share: ::core::option::Option<Share>,
+    /// The key, `bt_{id}_{secret}`, which the link `/#/shared/{id of the twin}?key={key}` contains.
+    #[prost(string, tag = "2")]
+    pub secret_key: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ListSharesRequest {
+    /// twins/{uuid}
+    #[prost(string, tag = "1")]
+    pub twin: ::prost::alloc::string::String,
+    /// Default (0): 50. Values above 1000 count as 1000.
+    #[prost(uint32, tag = "2")]
+    pub page_size: u32,
+    #[prost(string, tag = "3")]
+    pub page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ListSharesResponse {
+    #[prost(message, repeated, tag = "1")]
+    pub shares: ::prost::alloc::vec::Vec<Share>,
+    /// Empty on the last page.
+    #[prost(string, tag = "2")]
+    pub next_page_token: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteShareRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct DeleteShareResponse {}
 /// Generated client implementations.
 pub mod key_service_client {
     #![allow(
@@ -7275,86 +7355,6 @@ pub mod key_service_server {
         const NAME: &'static str = SERVICE_NAME;
     }
 }
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct Share {
-    /// shares/{uuid}
-    #[prost(string, tag = "1")]
-    pub name: ::prost::alloc::string::String,
-    /// twins/{uuid}
-    #[prost(string, tag = "2")]
-    pub twin: ::prost::alloc::string::String,
-    #[prost(string, tag = "3")]
-    pub display_name: ::prost::alloc::string::String,
-    /// Owner of the key that made the share.
-    #[prost(string, tag = "4")]
-    pub owner: ::prost::alloc::string::String,
-    /// True if its holder may download the twin.
-    #[prost(bool, tag = "5")]
-    pub allow_export: bool,
-    #[prost(message, optional, tag = "6")]
-    pub create_time: ::core::option::Option<::prost_types::Timestamp>,
-    /// The share is refused from this time on.
-    #[prost(message, optional, tag = "7")]
-    pub expire_time: ::core::option::Option<::prost_types::Timestamp>,
-    /// Absent unless the share has been revoked.
-    #[prost(message, optional, tag = "8")]
-    pub revoke_time: ::core::option::Option<::prost_types::Timestamp>,
-    /// Last use, accurate to about a minute; absent if the share has not been used.
-    #[prost(message, optional, tag = "9")]
-    pub last_use_time: ::core::option::Option<::prost_types::Timestamp>,
-}
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct ShareTwinRequest {
-    /// twins/{uuid}
-    #[prost(string, tag = "1")]
-    pub twin: ::prost::alloc::string::String,
-    /// For whom the link is: up to 200 characters.
-    #[prost(string, tag = "2")]
-    pub display_name: ::prost::alloc::string::String,
-    /// Time until it expires, at most 90 days \[s\]. Default (0): 7 days.
-    #[prost(uint64, tag = "3")]
-    pub ttl_s: u64,
-    /// The time at which it expires; not together with `ttl_s`.
-    #[prost(message, optional, tag = "4")]
-    pub expire_time: ::core::option::Option<::prost_types::Timestamp>,
-    /// True if its holder may download the twin.
-    #[prost(bool, tag = "5")]
-    pub allow_export: bool,
-}
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct ShareTwinResponse {
-    #[prost(message, optional, tag = "1")]
-    pub share: ::core::option::Option<Share>,
-    /// Its key, `bt_{id}_{secret}`, which the link `/#/shared/{id of the twin}?key={key}` contains.
-    #[prost(string, tag = "2")]
-    pub secret_key: ::prost::alloc::string::String,
-}
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct ListSharesRequest {
-    /// twins/{uuid}
-    #[prost(string, tag = "1")]
-    pub twin: ::prost::alloc::string::String,
-    /// Default (0): 50. Values above 1000 count as 1000.
-    #[prost(uint32, tag = "2")]
-    pub page_size: u32,
-    #[prost(string, tag = "3")]
-    pub page_token: ::prost::alloc::string::String,
-}
-#[derive(Clone, PartialEq, ::prost::Message)]
-pub struct ListSharesResponse {
-    #[prost(message, repeated, tag = "1")]
-    pub shares: ::prost::alloc::vec::Vec<Share>,
-    /// Empty on the last page.
-    #[prost(string, tag = "2")]
-    pub next_page_token: ::prost::alloc::string::String,
-}
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct DeleteShareRequest {
-    #[prost(string, tag = "1")]
-    pub name: ::prost::alloc::string::String,
-}
-#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct DeleteShareResponse {}
 /// Generated client implementations.
 pub mod share_service_client {
     #![allow(

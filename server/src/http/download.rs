@@ -1,5 +1,7 @@
 //! Content as responses: whole, or the range that a client asks for to continue a download.
 
+pub(super) mod thumbnails;
+
 use std::ops::Range;
 
 use axum::{

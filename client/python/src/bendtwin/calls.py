@@ -48,6 +48,7 @@ from bendtwin.v1 import (
     evaluation_pb2_grpc,
     fit_pb2,
     fit_pb2_grpc,
+    key_pb2_grpc,
     planning_pb2,
     planning_pb2_grpc,
     project_pb2_grpc,
@@ -55,7 +56,6 @@ from bendtwin.v1 import (
     rollout_pb2,
     rollout_pb2_grpc,
     session_pb2_grpc,
-    share_pb2_grpc,
     trash_pb2,
     trash_pb2_grpc,
     twin_pb2,
@@ -91,7 +91,7 @@ class Services:
         self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
         self.evaluations = evaluation_pb2_grpc.EvaluationServiceStub(channel)
         self.sessions = session_pb2_grpc.SessionServiceStub(channel)
-        self.shares = share_pb2_grpc.ShareServiceStub(channel)
+        self.shares = key_pb2_grpc.ShareServiceStub(channel)
         self.trash = trash_pb2_grpc.TrashServiceStub(channel)
         self.planning = planning_pb2_grpc.PlanningServiceStub(channel)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from bendtwin.calls import Call, Pages
 from bendtwin.resources import MadeShare, OwnerUsage, Project, Share
-from bendtwin.v1 import project_pb2, share_pb2, usage_pb2
+from bendtwin.v1 import key_pb2, project_pb2, usage_pb2
 
 
 def create_project(display_name: str, members: Sequence[str]) -> Call[Project]:
@@ -61,7 +61,7 @@ def share_twin(
     address: str, twin: str, display_name: str, days: float, allow_export: bool
 ) -> Call[MadeShare]:
     """Makes a link to a twin."""
-    request = share_pb2.ShareTwinRequest(
+    request = key_pb2.ShareTwinRequest(
         twin=twin,
         display_name=display_name,
         ttl_s=max(1, round(days * 86_400)),
@@ -79,14 +79,14 @@ def list_shares(twin: str) -> Pages[Share]:
     """The links of a twin."""
     return Pages(
         lambda s: s.shares.ListShares,
-        share_pb2.ListSharesRequest(twin=twin),
+        key_pb2.ListSharesRequest(twin=twin),
         lambda page: [Share.from_proto(share) for share in page.shares],
     )
 
 
 def delete_share(name: str) -> Call[None]:
     """Revokes a link."""
-    request = share_pb2.DeleteShareRequest(name=name)
+    request = key_pb2.DeleteShareRequest(name=name)
     return Call(lambda s: s.shares.DeleteShare, request, lambda _: None)
 
 

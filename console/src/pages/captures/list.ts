@@ -17,7 +17,7 @@ import './named.css';
 
 /** Interval at which captures that are being read are refreshed [ms]. */
 const REFRESH_MS = 2000;
-/** Captures that are asked for at once where the page chooses among them, and how many of its own are then shown. */
+/** Captures requested together where the page chooses among them, and how many of its own are then shown. */
 const MANY = 1000;
 const ENOUGH = 50;
 

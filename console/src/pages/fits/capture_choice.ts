@@ -8,7 +8,7 @@ import { whyNoFit } from '../captures/state';
 import { Combobox, type Option } from '../parts/combobox';
 import './capture_choice.css';
 
-/** Captures that are shown at once: the last ones that match. */
+/** Captures that are shown together: the last ones that match. */
 const MOST = 20;
 
 /** The field in which the capture of a fit is searched and chosen. Those that cannot be fitted say why. */

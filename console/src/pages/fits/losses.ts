@@ -7,7 +7,7 @@ export interface Line {
   readonly isSolid: boolean;
   /** Which of the models it is of, for its colour. */
   readonly model: number;
-  /** Values by iteration of the chart; null where there is none to draw. */
+  /** Values by iteration of the chart; null where nothing is drawn. */
   readonly values: readonly (number | null)[];
 }
 

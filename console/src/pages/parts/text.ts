@@ -17,7 +17,7 @@ export function isolated(name: string): string {
   return `\u2068${name}\u2069`;
 }
 
-/** A text of the server as a sentence of its own: it begins with a capital, unless it begins with a name, and it ends. */
+/** A text of the server as a separate sentence: it begins with a capital, unless it begins with a name, and it ends. */
 export function sentence(text: string): string {
   const begun = /^\p{Ll}+(?=[\s,:;.]|$)/u.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
   return /[.!?]$/.test(begun) ? begun : `${begun}.`;

@@ -9,7 +9,7 @@ import { RecordedScene } from './recorded_scene';
 /** What a background is chosen by: `grid`, `none`, `points`, or `camera-` and the number of one. */
 export type Choice = string;
 
-/** Colour of recorded points without colours of their own. */
+/** Colour of recorded points whose colours are unknown. */
 const POINTS = 0x2f6fd0;
 
 /** What is around a twin: a ground, nothing, or what was recorded. */
@@ -22,7 +22,7 @@ export class Background {
   #layer: Layer | null = null;
   #asked = 0;
 
-  /** `open` opens the recording; null if there is none. */
+  /** `open` opens the recording; null without one. */
   constructor(
     private readonly stage: Stage,
     private readonly ground: Ground,

@@ -75,7 +75,7 @@ export class RecordedScene {
     return Math.min(Math.floor(this.sequence.start_frame / images.every), Math.max(images.lengths.length - 1, 0));
   }
 
-  /** An image with its labels; null if there is none, or it is damaged. */
+  /** An image with its labels; null if it is missing or damaged. */
   async #image({ images, masks }: CameraHead, k: number): Promise<Labelled | null> {
     const [columns, rows] = images.size;
     const [bytes, runs] = await Promise.all([this.#piece(images, k), masks ? this.#piece(masks, k) : null]);

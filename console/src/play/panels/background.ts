@@ -2,7 +2,7 @@ import { h } from '../../ui/dom';
 import { PLAIN, type Background, type Choice } from '../background/background';
 import { panel } from './parts';
 
-/** What is around the twin. Recordings are looked at once the panel is opened, or an address names one. */
+/** What is around the twin. Recordings are read as soon as the panel is opened, or an address names one. */
 export function backgroundPanel(background: Background, asked: Choice | null): HTMLElement {
   const fault = h('p', { role: 'status', class: 'hint' });
   const select = h('select', { 'aria-label': 'Background' });

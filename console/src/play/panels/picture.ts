@@ -42,7 +42,7 @@ export function writeLook(look: Look, query: URLSearchParams): void {
   if (look.colour !== 'none') query.set('colour', look.colour);
 }
 
-/** Values by which a twin at rest can be coloured, as far as they are available. */
+/** Values by which a twin at rest can be coloured, where available. */
 export function coloursOf({ springStiffness, skinSd }: Pick<TwinShape, 'springStiffness' | 'skinSd'>): ColourBy[] {
   const known: readonly (readonly [ColourBy, boolean])[] = [
     ['none', true],

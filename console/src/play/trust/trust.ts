@@ -25,7 +25,7 @@ export class Trust {
     this.#material = new Material(shape);
   }
 
-  /** Compares with the capture of a twin; with nothing if there is none. */
+  /** Compares with the capture of a twin; with nothing without one. */
   static of(api: Api, twin: string, shape: TwinShape, capture: string | null, signal: AbortSignal): Trust {
     if (capture === null) return new Trust(shape, null);
     return new Trust(shape, (material) => recordedStrains(api, { twin, capture, material }, signal));

@@ -6,7 +6,7 @@ export interface HandSpeed {
   readonly values: readonly (number | null)[];
 }
 
-/** Hands whose speeds are drawn: more lines could not be told apart. */
+/** Hands whose speeds are drawn: more lines could not be distinguished. */
 const MOST_HANDS = 3;
 
 /**

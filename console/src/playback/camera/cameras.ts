@@ -65,7 +65,7 @@ export class Cameras {
     await this.#source.load(frame);
   }
 
-  /** Draws a frame: points into the large image, and as far as they are here the images of the others. */
+  /** Draws a frame: points into the large image, and the images of the others that are loaded. */
   draw(frame: number, layers: readonly Dots[]): void {
     this.#view.draw(frame, layers);
     this.#thumbnails.forEach((thumbnail) => thumbnail.draw(frame));

@@ -18,7 +18,7 @@ export class CameraSource {
     this.#read = read(head.poses).then((bytes) => {
       this.#projection = new Projection(head, new Float32Array(bytes.buffer));
     });
-    // Whoever loads a frame is told.
+    // The error goes to the caller that loads a frame.
     this.#read.catch(() => undefined);
   }
 

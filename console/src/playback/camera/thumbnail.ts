@@ -25,7 +25,7 @@ export class Thumbnail {
     this.element.setAttribute('aria-pressed', String(isChosen));
   }
 
-  /** Draws a frame, as soon as it is here; the one before stays until then. */
+  /** Draws a frame, once it is loaded; the one before stays until then. */
   draw(frame: number): void {
     this.#frame = frame;
     const { images } = this.source;

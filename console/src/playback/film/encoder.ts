@@ -14,7 +14,7 @@ export function canEncode(): boolean {
 }
 
 /**
- * Pictures that become a video at times of their own, however long it takes to make them. A MediaRecorder
+ * Pictures that become a video at given times, however long it takes to make them. A MediaRecorder
  * would take the clock's times, and leave out pictures where a machine is slow.
  */
 export class Encoder {

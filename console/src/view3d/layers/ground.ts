@@ -13,7 +13,7 @@ import type { Layer } from '../stage';
 /** Side of a square [m], and squares from the middle to the edge. */
 export const SQUARE_M = 0.1;
 const SQUARES = 14;
-/** Every so many lines one is stronger. */
+/** Interval of the stronger lines [lines]. */
 const STRONG = 5;
 /** Squares that a piece of a line is long, at the ends of which its opacity is set. */
 const PIECE = 2;

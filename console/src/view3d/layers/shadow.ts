@@ -56,7 +56,7 @@ export class ShadowLayer implements Layer {
     this.object.renderOrder = -1;
   }
 
-  /** Falls on a plane; there is none without one. */
+  /** Falls on a plane; hidden without one. */
   place(plane: Plane | null): void {
     this.#footprint = plane === null ? null : new Footprint(plane, this.size);
   }

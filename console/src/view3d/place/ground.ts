@@ -29,7 +29,7 @@ export class Ground {
     });
   }
 
-  /** Lies in a plane; there is none without one. */
+  /** Lies in a plane; hidden without one. */
   place(plane: Plane | null): void {
     this.#plane = plane;
     this.#layer.place(plane, this.#middle, this.#reach);

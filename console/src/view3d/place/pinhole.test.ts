@@ -8,7 +8,7 @@ import { fitted, projectionOf, standOf } from './pinhole';
 const TURNED = [0, 0, 1, 1, 0, 1, 0, 2, -1, 0, 0, 3];
 
 describe('the view of a calibrated camera', () => {
-  it('shows points where the image has them, whatever the shape of the canvas', () => {
+  it('shows points where the image has them, for every shape of the canvas', () => {
     const head = camera({});
     const points = [3, 2, 2.8, 4, 2.5, 3.1, 2, 1.7, 2.9];
     const pixels = new Projection(head, Float32Array.from(TURNED)).pixels(Float32Array.from(points), 0);

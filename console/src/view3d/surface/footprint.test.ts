@@ -7,7 +7,7 @@ function square(side: number, height: number, x = 0): { positions: Float32Array;
   return { positions: new Float32Array(corners), faces: Uint32Array.of(0, 1, 2, 0, 2, 3), radius: 0 };
 }
 
-/** Area of a shadow, each cell as much as it is dark [m²]. */
+/** Area of a shadow, each cell weighted by its darkness [m²]. */
 function area({ cells, cell }: Footprint): number {
   return (cells.reduce((sum, shade) => sum + shade, 0) / 255) * cell * cell;
 }

@@ -8,7 +8,7 @@ import type { Caster } from './footprint';
 import { SurfaceMesh } from './mesh';
 import { Nearest } from './nearest';
 
-/** Colour of a skin without colours of its own. */
+/** Colour of a skin whose colours are unknown. */
 const PLAIN = 0x4a90c8;
 
 /** The skin of a twin: a surface, or the points of the skin where the twin has none. */

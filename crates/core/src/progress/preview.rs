@@ -31,7 +31,7 @@ pub struct PreviewErrors {
     pub error_m: f64,
     /// Over training frames that are held back to choose among starts [m]; none where none are.
     pub held_back_m: Option<f64>,
-    /// Of the object standing still, over the frames of `error_m` [m].
+    /// The same for an object that stands still, over the frames of `error_m` [m].
     pub baseline_m: f64,
 }
 

@@ -26,7 +26,7 @@ pub struct Share {
 /// A share to be stored.
 #[derive(Clone, Debug)]
 pub struct NewShare {
-    /// Its key.
+    /// The key of the share.
     pub key: NewKey,
     /// The twin.
     pub twin: TwinId,

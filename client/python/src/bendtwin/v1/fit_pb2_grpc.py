@@ -122,7 +122,7 @@ class FitServiceServicer(object):
     def GetFitPreview(self, request, context):
         """What the fit has so far: the motion that its best parameters predict, and their error. Renewed every few
         iterations while the fit searches and refines; dropped once it has a twin. NOT_FOUND with reason
-        PREVIEW_MISSING where there is none.
+        PREVIEW_MISSING without one.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -26,7 +26,7 @@ from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/key.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x90\x03\n\x03Key\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\r\n\x05owner\x18\x03 \x01(\t\x12\x0e\n\x06scopes\x18\x04 \x03(\t\x12\x37\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0b\x65xpire_time\x18\x06 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x37\n\x0brevoke_time\x18\x07 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x39\n\rlast_use_time\x18\x08 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12.\n\x06quotas\x18\t \x01(\x0b\x32\x16.bendtwin.v1.KeyQuotasB\x06\x8a\xb5\x18\x02\x08\x03\x12\x1a\n\nis_sign_in\x18\n \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x14\n\x04twin\x18\x0b \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\"\xab\x02\n\tKeyQuotas\x12 \n\x0bqueued_jobs\x18\x01 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x00\x88\x01\x01\x12!\n\x0cstored_bytes\x18\x02 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x01\x88\x01\x01\x12\x1d\n\x08rollouts\x18\x03 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x02\x88\x01\x01\x12!\n\x0crunning_jobs\x18\x04 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x03\x88\x01\x01\x12\x1e\n\tfit_run_s\x18\x05 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x04\x88\x01\x01\x12\x1d\n\x08priority\x18\x06 \x01(\rB\x06\x8a\xb5\x18\x02\x08\x02H\x05\x88\x01\x01\x42\x0e\n\x0c_queued_jobsB\x0f\n\r_stored_bytesB\x0b\n\t_rolloutsB\x0f\n\r_running_jobsB\x0c\n\n_fit_run_sB\x0b\n\t_priority\"\xb0\x01\n\x10\x43reateKeyRequest\x12\x1c\n\x0c\x64isplay_name\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\r\n\x05owner\x18\x02 \x01(\t\x12\x16\n\x06scopes\x18\x03 \x03(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12/\n\x0b\x65xpire_time\x18\x04 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12&\n\x06quotas\x18\x05 \x01(\x0b\x32\x16.bendtwin.v1.KeyQuotas\"N\n\x11\x43reateKeyResponse\x12%\n\x03key\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.KeyB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsecret_key\x18\x02 \x01(\t\"\x1d\n\rGetKeyRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"8\n\x0fListKeysRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\"K\n\x10ListKeysResponse\x12\x1e\n\x04keys\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Key\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\" \n\x10\x44\x65leteKeyRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x13\n\x11\x44\x65leteKeyResponse2\x8c\x03\n\nKeyService\x12m\n\tCreateKey\x12\x1d.bendtwin.v1.CreateKeyRequest\x1a\x1e.bendtwin.v1.CreateKeyResponse\"!\x90\xb5\x18\x01\x9a\xb5\x18\x19\x12\x08/v1/keys0\xc9\x01:\x08key.name@\x01\x12K\n\x06GetKey\x12\x1a.bendtwin.v1.GetKeyRequest\x1a\x10.bendtwin.v1.Key\"\x13\x9a\xb5\x18\x0f\n\r/v1/keys/{id}\x12W\n\x08ListKeys\x12\x1c.bendtwin.v1.ListKeysRequest\x1a\x1d.bendtwin.v1.ListKeysResponse\"\x0e\x9a\xb5\x18\n\n\x08/v1/keys\x12\x63\n\tDeleteKey\x12\x1d.bendtwin.v1.DeleteKeyRequest\x1a\x1e.bendtwin.v1.DeleteKeyResponse\"\x17\x90\xb5\x18\x01\x9a\xb5\x18\x0f\"\r/v1/keys/{id}\x1a\x04\x88\xb5\x18\x04\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/key.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"\x90\x03\n\x03Key\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\r\n\x05owner\x18\x03 \x01(\t\x12\x0e\n\x06scopes\x18\x04 \x03(\t\x12\x37\n\x0b\x63reate_time\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0b\x65xpire_time\x18\x06 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x37\n\x0brevoke_time\x18\x07 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x39\n\rlast_use_time\x18\x08 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12.\n\x06quotas\x18\t \x01(\x0b\x32\x16.bendtwin.v1.KeyQuotasB\x06\x8a\xb5\x18\x02\x08\x03\x12\x1a\n\nis_sign_in\x18\n \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x14\n\x04twin\x18\x0b \x01(\tB\x06\x8a\xb5\x18\x02\x08\x02\"\xab\x02\n\tKeyQuotas\x12 \n\x0bqueued_jobs\x18\x01 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x00\x88\x01\x01\x12!\n\x0cstored_bytes\x18\x02 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x01\x88\x01\x01\x12\x1d\n\x08rollouts\x18\x03 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x02\x88\x01\x01\x12!\n\x0crunning_jobs\x18\x04 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x03\x88\x01\x01\x12\x1e\n\tfit_run_s\x18\x05 \x01(\x04\x42\x06\x8a\xb5\x18\x02\x08\x02H\x04\x88\x01\x01\x12\x1d\n\x08priority\x18\x06 \x01(\rB\x06\x8a\xb5\x18\x02\x08\x02H\x05\x88\x01\x01\x42\x0e\n\x0c_queued_jobsB\x0f\n\r_stored_bytesB\x0b\n\t_rolloutsB\x0f\n\r_running_jobsB\x0c\n\n_fit_run_sB\x0b\n\t_priority\"\xb0\x01\n\x10\x43reateKeyRequest\x12\x1c\n\x0c\x64isplay_name\x18\x01 \x01(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12\r\n\x05owner\x18\x02 \x01(\t\x12\x16\n\x06scopes\x18\x03 \x03(\tB\x06\x8a\xb5\x18\x02\x18\x01\x12/\n\x0b\x65xpire_time\x18\x04 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12&\n\x06quotas\x18\x05 \x01(\x0b\x32\x16.bendtwin.v1.KeyQuotas\"N\n\x11\x43reateKeyResponse\x12%\n\x03key\x18\x01 \x01(\x0b\x32\x10.bendtwin.v1.KeyB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsecret_key\x18\x02 \x01(\t\"\x1d\n\rGetKeyRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"8\n\x0fListKeysRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\"K\n\x10ListKeysResponse\x12\x1e\n\x04keys\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Key\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\" \n\x10\x44\x65leteKeyRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x13\n\x11\x44\x65leteKeyResponse\"\xcc\x02\n\x05Share\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04twin\x18\x02 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x03 \x01(\t\x12\r\n\x05owner\x18\x04 \x01(\t\x12\x1c\n\x0c\x61llow_export\x18\x05 \x01(\x08\x42\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0b\x63reate_time\x18\x06 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0b\x65xpire_time\x18\x07 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x03\x12\x37\n\x0brevoke_time\x18\x08 \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\x12\x39\n\rlast_use_time\x18\t \x01(\x0b\x32\x1a.google.protobuf.TimestampB\x06\x8a\xb5\x18\x02\x08\x02\"\x8c\x01\n\x10ShareTwinRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x14\n\x0c\x64isplay_name\x18\x02 \x01(\t\x12\r\n\x05ttl_s\x18\x03 \x01(\x04\x12/\n\x0b\x65xpire_time\x18\x04 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x14\n\x0c\x61llow_export\x18\x05 \x01(\x08\"R\n\x11ShareTwinResponse\x12)\n\x05share\x18\x01 \x01(\x0b\x32\x12.bendtwin.v1.ShareB\x06\x8a\xb5\x18\x02\x08\x03\x12\x12\n\nsecret_key\x18\x02 \x01(\t\"H\n\x11ListSharesRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x11\n\tpage_size\x18\x02 \x01(\r\x12\x12\n\npage_token\x18\x03 \x01(\t\"Q\n\x12ListSharesResponse\x12\"\n\x06shares\x18\x01 \x03(\x0b\x32\x12.bendtwin.v1.Share\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\"\"\n\x12\x44\x65leteShareRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x15\n\x13\x44\x65leteShareResponse2\x8c\x03\n\nKeyService\x12m\n\tCreateKey\x12\x1d.bendtwin.v1.CreateKeyRequest\x1a\x1e.bendtwin.v1.CreateKeyResponse\"!\x90\xb5\x18\x01\x9a\xb5\x18\x19\x12\x08/v1/keys0\xc9\x01:\x08key.name@\x01\x12K\n\x06GetKey\x12\x1a.bendtwin.v1.GetKeyRequest\x1a\x10.bendtwin.v1.Key\"\x13\x9a\xb5\x18\x0f\n\r/v1/keys/{id}\x12W\n\x08ListKeys\x12\x1c.bendtwin.v1.ListKeysRequest\x1a\x1d.bendtwin.v1.ListKeysResponse\"\x0e\x9a\xb5\x18\n\n\x08/v1/keys\x12\x63\n\tDeleteKey\x12\x1d.bendtwin.v1.DeleteKeyRequest\x1a\x1e.bendtwin.v1.DeleteKeyResponse\"\x17\x90\xb5\x18\x01\x9a\xb5\x18\x0f\"\r/v1/keys/{id}\x1a\x04\x88\xb5\x18\x04\x32\xf1\x02\n\x0cShareService\x12z\n\tShareTwin\x12\x1d.bendtwin.v1.ShareTwinRequest\x1a\x1e.bendtwin.v1.ShareTwinResponse\".\x88\xb5\x18\x0b\x90\xb5\x18\x01\x9a\xb5\x18\"\x12\x15/v1/twins/{id}/shares*\x04twin0\xc9\x01@\x01\x12t\n\nListShares\x12\x1e.bendtwin.v1.ListSharesRequest\x1a\x1f.bendtwin.v1.ListSharesResponse\"%\x88\xb5\x18\x0b\x9a\xb5\x18\x1d\n\x15/v1/twins/{id}/shares*\x04twin\x12o\n\x0b\x44\x65leteShare\x12\x1f.bendtwin.v1.DeleteShareRequest\x1a .bendtwin.v1.DeleteShareResponse\"\x1d\x88\xb5\x18\x0b\x90\xb5\x18\x01\x9a\xb5\x18\x11\"\x0f/v1/shares/{id}b\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -65,6 +65,18 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_CREATEKEYREQUEST'].fields_by_name['scopes']._serialized_options = b'\212\265\030\002\030\001'
   _globals['_CREATEKEYRESPONSE'].fields_by_name['key']._loaded_options = None
   _globals['_CREATEKEYRESPONSE'].fields_by_name['key']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_SHARE'].fields_by_name['allow_export']._loaded_options = None
+  _globals['_SHARE'].fields_by_name['allow_export']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_SHARE'].fields_by_name['create_time']._loaded_options = None
+  _globals['_SHARE'].fields_by_name['create_time']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_SHARE'].fields_by_name['expire_time']._loaded_options = None
+  _globals['_SHARE'].fields_by_name['expire_time']._serialized_options = b'\212\265\030\002\010\003'
+  _globals['_SHARE'].fields_by_name['revoke_time']._loaded_options = None
+  _globals['_SHARE'].fields_by_name['revoke_time']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_SHARE'].fields_by_name['last_use_time']._loaded_options = None
+  _globals['_SHARE'].fields_by_name['last_use_time']._serialized_options = b'\212\265\030\002\010\002'
+  _globals['_SHARETWINRESPONSE'].fields_by_name['share']._loaded_options = None
+  _globals['_SHARETWINRESPONSE'].fields_by_name['share']._serialized_options = b'\212\265\030\002\010\003'
   _globals['_KEYSERVICE']._loaded_options = None
   _globals['_KEYSERVICE']._serialized_options = b'\210\265\030\004'
   _globals['_KEYSERVICE'].methods_by_name['CreateKey']._loaded_options = None
@@ -75,6 +87,12 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_KEYSERVICE'].methods_by_name['ListKeys']._serialized_options = b'\232\265\030\n\n\010/v1/keys'
   _globals['_KEYSERVICE'].methods_by_name['DeleteKey']._loaded_options = None
   _globals['_KEYSERVICE'].methods_by_name['DeleteKey']._serialized_options = b'\220\265\030\001\232\265\030\017\"\r/v1/keys/{id}'
+  _globals['_SHARESERVICE'].methods_by_name['ShareTwin']._loaded_options = None
+  _globals['_SHARESERVICE'].methods_by_name['ShareTwin']._serialized_options = b'\210\265\030\013\220\265\030\001\232\265\030\"\022\025/v1/twins/{id}/shares*\004twin0\311\001@\001'
+  _globals['_SHARESERVICE'].methods_by_name['ListShares']._loaded_options = None
+  _globals['_SHARESERVICE'].methods_by_name['ListShares']._serialized_options = b'\210\265\030\013\232\265\030\035\n\025/v1/twins/{id}/shares*\004twin'
+  _globals['_SHARESERVICE'].methods_by_name['DeleteShare']._loaded_options = None
+  _globals['_SHARESERVICE'].methods_by_name['DeleteShare']._serialized_options = b'\210\265\030\013\220\265\030\001\232\265\030\021\"\017/v1/shares/{id}'
   _globals['_KEY']._serialized_start=99
   _globals['_KEY']._serialized_end=499
   _globals['_KEYQUOTAS']._serialized_start=502
@@ -93,6 +111,22 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_DELETEKEYREQUEST']._serialized_end=1260
   _globals['_DELETEKEYRESPONSE']._serialized_start=1262
   _globals['_DELETEKEYRESPONSE']._serialized_end=1281
-  _globals['_KEYSERVICE']._serialized_start=1284
-  _globals['_KEYSERVICE']._serialized_end=1680
+  _globals['_SHARE']._serialized_start=1284
+  _globals['_SHARE']._serialized_end=1616
+  _globals['_SHARETWINREQUEST']._serialized_start=1619
+  _globals['_SHARETWINREQUEST']._serialized_end=1759
+  _globals['_SHARETWINRESPONSE']._serialized_start=1761
+  _globals['_SHARETWINRESPONSE']._serialized_end=1843
+  _globals['_LISTSHARESREQUEST']._serialized_start=1845
+  _globals['_LISTSHARESREQUEST']._serialized_end=1917
+  _globals['_LISTSHARESRESPONSE']._serialized_start=1919
+  _globals['_LISTSHARESRESPONSE']._serialized_end=2000
+  _globals['_DELETESHAREREQUEST']._serialized_start=2002
+  _globals['_DELETESHAREREQUEST']._serialized_end=2036
+  _globals['_DELETESHARERESPONSE']._serialized_start=2038
+  _globals['_DELETESHARERESPONSE']._serialized_end=2059
+  _globals['_KEYSERVICE']._serialized_start=2062
+  _globals['_KEYSERVICE']._serialized_end=2458
+  _globals['_SHARESERVICE']._serialized_start=2461
+  _globals['_SHARESERVICE']._serialized_end=2830
 # @@protoc_insertion_point(module_scope)

@@ -105,3 +105,75 @@ class DeleteKeyRequest(_message.Message):
 class DeleteKeyResponse(_message.Message):
     __slots__ = ()
     def __init__(self) -> None: ...
+
+class Share(_message.Message):
+    __slots__ = ("name", "twin", "display_name", "owner", "allow_export", "create_time", "expire_time", "revoke_time", "last_use_time")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    TWIN_FIELD_NUMBER: _ClassVar[int]
+    DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
+    OWNER_FIELD_NUMBER: _ClassVar[int]
+    ALLOW_EXPORT_FIELD_NUMBER: _ClassVar[int]
+    CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
+    EXPIRE_TIME_FIELD_NUMBER: _ClassVar[int]
+    REVOKE_TIME_FIELD_NUMBER: _ClassVar[int]
+    LAST_USE_TIME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    twin: str
+    display_name: str
+    owner: str
+    allow_export: bool
+    create_time: _timestamp_pb2.Timestamp
+    expire_time: _timestamp_pb2.Timestamp
+    revoke_time: _timestamp_pb2.Timestamp
+    last_use_time: _timestamp_pb2.Timestamp
+    def __init__(self, name: _Optional[str] = ..., twin: _Optional[str] = ..., display_name: _Optional[str] = ..., owner: _Optional[str] = ..., allow_export: bool = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., expire_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revoke_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., last_use_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ...) -> None: ...
+
+class ShareTwinRequest(_message.Message):
+    __slots__ = ("twin", "display_name", "ttl_s", "expire_time", "allow_export")
+    TWIN_FIELD_NUMBER: _ClassVar[int]
+    DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
+    TTL_S_FIELD_NUMBER: _ClassVar[int]
+    EXPIRE_TIME_FIELD_NUMBER: _ClassVar[int]
+    ALLOW_EXPORT_FIELD_NUMBER: _ClassVar[int]
+    twin: str
+    display_name: str
+    ttl_s: int
+    expire_time: _timestamp_pb2.Timestamp
+    allow_export: bool
+    def __init__(self, twin: _Optional[str] = ..., display_name: _Optional[str] = ..., ttl_s: _Optional[int] = ..., expire_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., allow_export: bool = ...) -> None: ...
+
+class ShareTwinResponse(_message.Message):
+    __slots__ = ("share", "secret_key")
+    SHARE_FIELD_NUMBER: _ClassVar[int]
+    SECRET_KEY_FIELD_NUMBER: _ClassVar[int]
+    share: Share
+    secret_key: str
+    def __init__(self, share: _Optional[_Union[Share, _Mapping]] = ..., secret_key: _Optional[str] = ...) -> None: ...
+
+class ListSharesRequest(_message.Message):
+    __slots__ = ("twin", "page_size", "page_token")
+    TWIN_FIELD_NUMBER: _ClassVar[int]
+    PAGE_SIZE_FIELD_NUMBER: _ClassVar[int]
+    PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
+    twin: str
+    page_size: int
+    page_token: str
+    def __init__(self, twin: _Optional[str] = ..., page_size: _Optional[int] = ..., page_token: _Optional[str] = ...) -> None: ...
+
+class ListSharesResponse(_message.Message):
+    __slots__ = ("shares", "next_page_token")
+    SHARES_FIELD_NUMBER: _ClassVar[int]
+    NEXT_PAGE_TOKEN_FIELD_NUMBER: _ClassVar[int]
+    shares: _containers.RepeatedCompositeFieldContainer[Share]
+    next_page_token: str
+    def __init__(self, shares: _Optional[_Iterable[_Union[Share, _Mapping]]] = ..., next_page_token: _Optional[str] = ...) -> None: ...
+
+class DeleteShareRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class DeleteShareResponse(_message.Message):
+    __slots__ = ()
+    def __init__(self) -> None: ...

@@ -231,3 +231,172 @@ class KeyService(object):
             timeout,
             metadata,
             _registered_method=True)
+
+
+class ShareServiceStub(object):
+    """Shares: links by which people without a token look at one twin and play with it. The link contains a key that is
+    limited to that twin and expires.
+    """
+
+    def __init__(self, channel):
+        """Constructor.
+
+        Args:
+            channel: A grpc.Channel.
+        """
+        self.ShareTwin = channel.unary_unary(
+                '/bendtwin.v1.ShareService/ShareTwin',
+                request_serializer=bendtwin_dot_v1_dot_key__pb2.ShareTwinRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_key__pb2.ShareTwinResponse.FromString,
+                _registered_method=True)
+        self.ListShares = channel.unary_unary(
+                '/bendtwin.v1.ShareService/ListShares',
+                request_serializer=bendtwin_dot_v1_dot_key__pb2.ListSharesRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_key__pb2.ListSharesResponse.FromString,
+                _registered_method=True)
+        self.DeleteShare = channel.unary_unary(
+                '/bendtwin.v1.ShareService/DeleteShare',
+                request_serializer=bendtwin_dot_v1_dot_key__pb2.DeleteShareRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_key__pb2.DeleteShareResponse.FromString,
+                _registered_method=True)
+
+
+class ShareServiceServicer(object):
+    """Shares: links by which people without a token look at one twin and play with it. The link contains a key that is
+    limited to that twin and expires.
+    """
+
+    def ShareTwin(self, request, context):
+        """Makes a share. The text of its key is only in this reply: the server stores a hash. The caller needs the scope
+        rollouts:run for the twin as well. Refused with SHARE_NOT_NEEDED by a server that requires no token.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def ListShares(self, request, context):
+        """The shares of a twin, newest first, revoked and expired ones included.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def DeleteShare(self, request, context):
+        """Revokes a share: after 30 s no server accepts it any more, and plays that were begun with it have ended. It
+        stays in the list, with its `revoke_time`.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+
+def add_ShareServiceServicer_to_server(servicer, server):
+    rpc_method_handlers = {
+            'ShareTwin': grpc.unary_unary_rpc_method_handler(
+                    servicer.ShareTwin,
+                    request_deserializer=bendtwin_dot_v1_dot_key__pb2.ShareTwinRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_key__pb2.ShareTwinResponse.SerializeToString,
+            ),
+            'ListShares': grpc.unary_unary_rpc_method_handler(
+                    servicer.ListShares,
+                    request_deserializer=bendtwin_dot_v1_dot_key__pb2.ListSharesRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_key__pb2.ListSharesResponse.SerializeToString,
+            ),
+            'DeleteShare': grpc.unary_unary_rpc_method_handler(
+                    servicer.DeleteShare,
+                    request_deserializer=bendtwin_dot_v1_dot_key__pb2.DeleteShareRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_key__pb2.DeleteShareResponse.SerializeToString,
+            ),
+    }
+    generic_handler = grpc.method_handlers_generic_handler(
+            'bendtwin.v1.ShareService', rpc_method_handlers)
+    server.add_generic_rpc_handlers((generic_handler,))
+    server.add_registered_method_handlers('bendtwin.v1.ShareService', rpc_method_handlers)
+
+
+ # This class is part of an EXPERIMENTAL API.
+class ShareService(object):
+    """Shares: links by which people without a token look at one twin and play with it. The link contains a key that is
+    limited to that twin and expires.
+    """
+
+    @staticmethod
+    def ShareTwin(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.ShareService/ShareTwin',
+            bendtwin_dot_v1_dot_key__pb2.ShareTwinRequest.SerializeToString,
+            bendtwin_dot_v1_dot_key__pb2.ShareTwinResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def ListShares(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.ShareService/ListShares',
+            bendtwin_dot_v1_dot_key__pb2.ListSharesRequest.SerializeToString,
+            bendtwin_dot_v1_dot_key__pb2.ListSharesResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def DeleteShare(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.ShareService/DeleteShare',
+            bendtwin_dot_v1_dot_key__pb2.DeleteShareRequest.SerializeToString,
+            bendtwin_dot_v1_dot_key__pb2.DeleteShareResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)

@@ -23,7 +23,7 @@ const STATE_INKS: Record<FrameState, string> = {
   missing: '--bad',
 };
 
-/** Number of pages that have had figures: each has a key of its own. */
+/** Number of pages that have had figures: each has its own key. */
 let pages = 0;
 
 export interface TimelineOptions {

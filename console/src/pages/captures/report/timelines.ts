@@ -1,7 +1,7 @@
 import { count, percent } from '../../../ui/format';
 import type { CameraReport, Report } from './report';
 
-/** Most cameras with a line of their own, and with a band. */
+/** Most cameras with separate lines, and with a band. */
 const MOST_LINES = 6;
 const MOST_BANDS = 16;
 /** Levels beyond which the report warns: the share of the object with depth, and the distance of the hand [mm]. */

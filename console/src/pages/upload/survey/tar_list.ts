@@ -1,7 +1,7 @@
 import { MOST_ENTRIES, bytesOf, entryOf, unpacked, type Entry, type Listing } from './entries';
 
 const BLOCK = 512;
-/** Bytes that are read at once: small files lie between heads. */
+/** Bytes that are read together: small files lie between heads. */
 const WINDOW = 2 ** 16;
 /** Longest name that is read [bytes]. */
 const MOST_NAME = 2 ** 16;

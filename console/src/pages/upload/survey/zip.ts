@@ -14,7 +14,7 @@ const MOST_BYTES = 32 * 2 ** 20;
 /** Value of a field that does not hold its number, which is in 64 bits elsewhere. */
 const ELSEWHERE = 0xffffffff;
 
-/** Files of a ZIP archive, from the directory at its end: nothing else of it is read. Null if there is none. */
+/** Files of a ZIP archive, from the directory at its end: nothing else of it is read. Null without one. */
 export async function listZip(file: Blob): Promise<Listing | null> {
   const place = await directoryOf(file);
   if (place === null || place.size > MOST_BYTES || place.offset + place.size > file.size) return null;

@@ -35,7 +35,7 @@ const FINDERS: [&str; 8] = [
 
 /// Files with words in capitals of other vocabularies.
 const OTHERS: [&str; 10] = [
-    "client/cli/src/demo/playground.rs",
+    "client/cli/src/access/console.rs",
     "client/cli/src/rollout/implausible.rs",
     "crates/calibrate/src/board/dictionary.rs",
     "crates/calibrate/src/colmap/model.rs",

@@ -7,11 +7,13 @@ use axum::{
 };
 use serde::Deserialize;
 
-use super::{
-    Result,
-    extract::{Id, Params},
+use crate::{
+    app::{App, Shown},
+    http::{
+        Result,
+        extract::{Id, Params},
+    },
 };
-use crate::app::{App, Shown};
 
 /// Width of a picture that is not said [pixels].
 const WIDTH: u32 = 160;
@@ -21,13 +23,13 @@ const KEPT: &str = "private, max-age=600";
 /// The size of a picture.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct WidthParams {
+pub(in crate::http) struct WidthParams {
     /// Width [pixels], 16 to 1024; the height is three quarters of it. Images of a camera have their own size.
     width: Option<u32>,
 }
 
 /// A small picture of a twin
-pub(super) async fn twin(
+pub(in crate::http) async fn twin(
     State(app): State<App>,
     Id(id): Id,
     Params(params): Params<WidthParams>,
@@ -37,7 +39,7 @@ pub(super) async fn twin(
 }
 
 /// A small picture of a capture
-pub(super) async fn capture(
+pub(in crate::http) async fn capture(
     State(app): State<App>,
     Id(id): Id,
     Params(params): Params<WidthParams>,
