@@ -55,7 +55,9 @@ export class Scene {
     this.stage.overlay.append(this.legend.element);
     const { point_count: points, control_count: controls } = sequence.motion;
     const { first } = extent;
-    const size = (this.#size = Math.max((0.65 * extentOf(first)) / Math.sqrt(Math.max(points, 1)), 0.002));
+    const whole = extentOf(first);
+    // A few points, as of a cable, must not hide it.
+    const size = (this.#size = Math.max(Math.min((0.65 * whole) / Math.sqrt(Math.max(points, 1)), 0.02 * whole), 0.002));
     this.#observed = this.stage.add(
       new PointsLayer(new Float32Array(3 * Math.max(points, 1)), { size, colour: COLOURS.observed }),
     );

@@ -81,9 +81,8 @@ pub(super) async fn export(
     Id(id): Id,
     Params(params): Params<ExportParams>,
 ) -> Result<Response> {
-    let Exported { bytes, extension, held } =
+    let Exported { bytes, file_name, held } =
         app.export_as(&id, params.format.as_deref().unwrap_or(FORMAT)).await?;
-    let file_name = format!("{}.{extension}", id.trim_start_matches("twins/"));
     let headers = [
         (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\"")),

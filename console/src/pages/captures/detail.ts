@@ -39,6 +39,7 @@ class CapturePage {
   readonly #faults = faultPlace();
   readonly #images = h('div');
   readonly #report = h('div');
+  readonly #pictures = h('div');
   readonly #sources = h('div');
   readonly #calibration: CalibrationCard;
   readonly #supplements: Supplements;
@@ -73,6 +74,7 @@ class CapturePage {
       this.#report,
       twinsOf(context, capture.name),
       fitsOf(context, capture.name),
+      this.#pictures,
       h('h2', {}, 'Reading'),
       this.#sources,
       this.#calibration.element,
@@ -158,7 +160,7 @@ class CapturePage {
     this.#supplements.show(this.capture);
     if (!this.capture.verdict) {
       this.#calibration.element.hidden = true;
-      for (const place of [this.#verdict, this.#images, this.#report, this.#sources]) place.replaceChildren();
+      for (const place of [this.#verdict, this.#images, this.#report, this.#pictures, this.#sources]) place.replaceChildren();
       return;
     }
     try {
@@ -175,11 +177,11 @@ class CapturePage {
       const sources = sourcesView(report.sources);
       const views = [
         timelineView(context, report, playback),
-        picturesView(context, id),
         findingsView(report, (finding) => this.remedy(finding), playback),
       ];
       this.#verdict.replaceChildren(verdictView(report));
       this.#report.replaceChildren(...views.filter((view) => view !== null));
+      this.#pictures.replaceChildren(picturesView(context, id));
       this.#sources.replaceChildren(...(sources === null ? [] : [sources]));
       this.#facts.replaceChildren(factsCard(this.capture, report));
     } catch (error) {

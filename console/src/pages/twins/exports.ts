@@ -11,6 +11,7 @@ const FORMATS: readonly (readonly [format: string, text: string, extension: stri
   ['mujoco', 'MuJoCo', 'xml', 'MuJoCo 3: nodes, springs, contact'],
   ['ply', 'PLY', 'ply', 'MeshLab, CloudCompare, Open3D'],
   ['obj', 'OBJ', 'obj', 'Any program for meshes'],
+  ['html', 'Web page', 'html', 'Any browser, without a server: simulated in the page'],
   ['npz', 'NumPy', 'npz', 'numpy.load: all arrays of the twin'],
 ];
 

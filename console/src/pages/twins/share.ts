@@ -1,5 +1,5 @@
-import { Problem } from '../../api/client';
 import { idOf } from '../../api/routes';
+import { ownToken } from '../../api/token';
 import type { Share, Twin } from '../../api/types';
 import { visitAddress } from '../../api/visit';
 import type { PageContext } from '../../page';
@@ -13,8 +13,6 @@ import './share.css';
 const DAYS: readonly (readonly [number, string])[] = [[1, '1 day'], [7, '7 days'], [30, '30 days'], [90, '90 days']];
 const USUAL_DAYS = 7;
 const DAY_S = 86_400;
-/** Reason of a server that requires no token: there a link needs no key. */
-const NOT_NEEDED = 'SHARE_NOT_NEEDED';
 
 /** A button that opens the links of a twin. */
 export function shareButton(context: PageContext, twin: Twin): HTMLElement {
@@ -28,20 +26,29 @@ export function openShares(context: PageContext, id: string, moment = new URLSea
   const close = (): void => dialog.close();
   dialog.append(
     h('h2', { id: 'shares-title' }, 'Share this twin'),
-    h('p', { class: 'hint' }, 'People with a link see this twin and play with it, without a token. They reach nothing else.'),
-    form(context, id, moment, () => void list.update()),
-    list.element,
+    ...(ownToken() === null ? openLink(id, moment) : [
+      h('p', { class: 'hint' }, 'People with a link see this twin and play with it, without a token. They reach nothing else.'),
+      form(context, id, moment, () => void list.update()),
+      list.element,
+    ]),
     h('div', { class: 'buttons' }, h('button', { type: 'button', onclick: close }, 'Close')),
   );
   dialog.addEventListener('close', () => dialog.remove());
   context.signal.addEventListener('abort', close, { once: true });
   document.body.append(dialog);
   dialog.showModal();
-  void list.update();
+  if (ownToken() !== null) void list.update();
+}
+
+/** The link of a server that requires no token: its address alone. */
+function openLink(id: string, moment: URLSearchParams): HTMLElement[] {
+  const hint = 'This server requires no token: everyone who reaches it can open this address, and it does not expire.';
+  return [h('p', { class: 'hint' }, 'People with the link see this twin and play with it.'), linkField(visitAddress(id, null, moment), hint)];
 }
 
 /** The form of a new link, and the link. */
 function form(context: PageContext, id: string, moment: URLSearchParams, made: () => void): HTMLElement {
+  const { api, signal } = context;
   const days = h('select', {}, ...DAYS.map(([n, text]) => h('option', { value: n, selected: n === USUAL_DAYS }, text)));
   const whom = h('input', { type: 'text', maxlength: 200, autocomplete: 'off' });
   const exports = h('input', { type: 'checkbox' });
@@ -52,11 +59,10 @@ function form(context: PageContext, id: string, moment: URLSearchParams, made: (
     button.disabled = true;
     const body = { display_name: whom.value.trim(), ttl_s: Number(days.value) * DAY_S, allow_export: exports.checked };
     try {
-      const key = await createKey(context, id, body);
-      const hint = key === null
-        ? 'This server requires no token: everyone who reaches it can open this address, and it does not expire.'
-        : 'Copy it now: it is shown only once.';
-      place.replaceChildren(linkField(visitAddress(id, key, moment), hint));
+      const path = `/v1/twins/${encodeURIComponent(id)}/shares`;
+      const { secret_key } = await api.send<{ secret_key: string }>('POST', path, body, signal);
+      const hint = 'Copy it now: it is shown only once.';
+      place.replaceChildren(linkField(visitAddress(id, secret_key, moment), hint));
       made();
     } catch (error) {
       if (!context.signal.aborted) place.replaceChildren(problemBox(error));
@@ -70,17 +76,6 @@ function form(context: PageContext, id: string, moment: URLSearchParams, made: (
     h('label', {}, exports, ' Allow downloads of the twin'),
     h('div', { class: 'buttons' }, button),
     place);
-}
-
-/** Makes a link. Its key; null where none is needed. */
-async function createKey({ api, signal }: PageContext, id: string, body: object): Promise<string | null> {
-  try {
-    const path = `/v1/twins/${encodeURIComponent(id)}/shares`;
-    return (await api.send<{ secret_key: string }>('POST', path, body, signal)).secret_key;
-  } catch (error) {
-    if (error instanceof Problem && error.reason === NOT_NEEDED) return null;
-    throw error;
-  }
 }
 
 /** A link, and a button that copies it. */

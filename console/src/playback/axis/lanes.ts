@@ -37,7 +37,7 @@ export interface Span {
 }
 
 /** Room for the labels left of all lanes, and beside their other end [pixels]. */
-export const LEFT = 46;
+export const LEFT = 58;
 export const RIGHT = 12;
 /** Room for the labels of time below all lanes [pixels]. */
 export const FOOT = 22;

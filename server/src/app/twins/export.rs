@@ -3,7 +3,7 @@
 use std::{io::Cursor, sync::Arc};
 
 use bendtwin_budget::Share;
-use bendtwin_core::Twin as TwinFile;
+use bendtwin_core::{Twin as TwinFile, ids::TwinId};
 use bendtwin_exchange::{
     Error as ExchangeError, ExportFormat, Format, PointSet, Scene, encode, web_page,
 };
@@ -14,8 +14,8 @@ use crate::{access::Scope, twin_page::twin_page_template};
 /// A file of another program, and its memory.
 pub(crate) struct Exported {
     pub(crate) bytes: Vec<u8>,
-    /// The usual end of its name.
-    pub(crate) extension: &'static str,
+    /// Name of the file: that of the twin, in letters that every header and file system takes.
+    pub(crate) file_name: String,
     pub(crate) held: Arc<Share>,
 }
 
@@ -35,14 +35,25 @@ impl App {
                 "" => row.id.to_string(),
                 name => name.to_owned(),
             };
-            match format {
-                ExportFormat::Html => page(&name, twin),
-                ExportFormat::Of(format) => Ok(file(&name, twin, format)?),
-            }
+            let bytes = match format {
+                ExportFormat::Html => page(&name, twin)?,
+                ExportFormat::Of(format) => file(&name, twin, format)?,
+            };
+            Ok((bytes, stem(&row.labels.display_name, row.id)))
         });
-        let bytes = read.await?;
+        let (bytes, stem) = read.await?;
         let held = Arc::new(self.memory.reply(bytes.len() as u64).await?);
-        Ok(Exported { bytes, extension: format.extension(), held })
+        Ok(Exported { bytes, file_name: format!("{stem}.{}", format.extension()), held })
+    }
+}
+
+/// The name of a twin as that of a file without its end; the id where nothing is left of it.
+fn stem(display_name: &str, id: TwinId) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    let plain = display_name.replace(|c| !is_plain(c), "-");
+    match plain.trim_matches('-') {
+        "" => id.uuid().to_string(),
+        plain => plain.to_owned(),
     }
 }
 
@@ -63,4 +74,17 @@ fn file(name: &str, twin: &TwinFile, format: Format) -> Result<Vec<u8>, Exchange
     let mut file = Cursor::new(Vec::new());
     encode(&scene, format, &mut file)?;
     Ok(file.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_named_after_their_twin() {
+        let id = TwinId::generate();
+        assert_eq!(stem("a toy/../2", id), "a-toy----2");
+        assert_eq!(stem("\"; x=\"\r\n", id), "x");
+        assert_eq!(stem("веревка", id), id.uuid().to_string());
+    }
 }

@@ -23,7 +23,7 @@ export function verdictView(report: Report): HTMLElement {
   const first = verdict === 'unusable' && error !== undefined ? error.advice : findings.length > 0 ? first_step : null;
   return h(
     'div',
-    { class: 'verdict' },
+    { class: 'capture-verdict' },
     h('p', {}, badge(verdict), ' ', h('strong', {}, prose(verdictText(report)))),
     first !== null && h('p', {}, 'First: ', prose(ended(first))),
   );
