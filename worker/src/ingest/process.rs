@@ -218,6 +218,8 @@ impl Observer<bendtwin_ingest::Progress> for StdoutReporter {
             eta_s: None,
             note: None,
             models: Vec::new(),
+            error_m: None,
+            preview: None,
         };
         // A worker that does not listen any more is gone, which the other thread notices.
         let _ = write_message(&Message::Progress(progress));

@@ -264,7 +264,7 @@ impl LeftOut {
 
     fn mean_m(&self, of: fn(&Scores) -> ErrorSummary) -> Option<f64> {
         let measure = self.measure()?;
-        mean(self.all().filter_map(|p| measure(&of(&p.scores?))))
+        mean(self.all().filter_map(|p| measure.of(&of(&p.scores?))))
     }
 }
 
