@@ -56,7 +56,7 @@ export class PreviewScene implements Moving {
     const points = pointsOf(preview, 0);
     if (this.#predicted?.positions.length !== points.length) {
       if (this.#predicted !== null) this.stage.remove(this.#predicted);
-      const size = 1.3 * sizeOf(points);
+      const size = sizeOf(points);
       this.#predicted = this.stage.add(new PointsLayer(points.slice(), { size, colour: COLOURS.predicted }));
       if (this.#observed === null) this.stage.lookAt(preview.positions);
     }
@@ -153,5 +153,6 @@ function visible({ points, visible: flags }: Frame): Float32Array {
 function sizeOf(points: Float32Array): number {
   const box = new Box3().setFromArray([...points]);
   const extent = box.isEmpty() ? 0 : Math.max(...box.getSize(new Vector3()).toArray());
-  return Math.max((0.6 * extent) / Math.sqrt(Math.max(points.length / 3, 1)), 0.002);
+  // Few points stay small beside it.
+  return Math.max(extent * Math.min(0.6 / Math.sqrt(Math.max(points.length / 3, 1)), 0.04), 0.002);
 }
