@@ -17,7 +17,7 @@ on_both! {
 fn loss(stage: Stage, variant: &str, iteration: u32) -> ModelLoss {
     let loss = Some(1.0 / f64::from(iteration));
     // Only some have a preview.
-    let error_m = loss.filter(|_| iteration % 2 == 0);
+    let error_m = loss.filter(|_| iteration.is_multiple_of(2));
     ModelLoss { stage, variant: variant.to_owned(), iteration, loss, best_loss: loss, error_m }
 }
 
