@@ -11,8 +11,7 @@ mod source;
 use std::path::Path;
 
 use bendtwin_client::{CaptureId, ListQuery, TwinId};
-use bendtwin_core::quality::ErrorSummary;
-use bendtwin_core::quality::Level;
+use bendtwin_core::quality::{ErrorSummary, Level};
 use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
 use serde_json::json;

@@ -29,12 +29,17 @@ pub struct Global {
 }
 
 impl Global {
-    /// Connects to the server.
-    pub async fn connect(&self) -> anyhow::Result<Client> {
-        let token = match &self.token_file {
+    /// The key or the token for the server, if there is one.
+    pub fn token(&self) -> anyhow::Result<Option<String>> {
+        Ok(match &self.token_file {
             Some(path) => Some(token::read(path)?),
             None => token::find(&self.server)?,
-        };
+        })
+    }
+
+    /// Connects to the server.
+    pub async fn connect(&self) -> anyhow::Result<Client> {
+        let token = self.token()?;
         Ok(Client::connect_with(&self.server, token.as_deref(), self.ca.as_deref()).await?)
     }
 }

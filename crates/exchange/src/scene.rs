@@ -8,9 +8,8 @@ use bendtwin_core::{
 };
 use bendtwin_graph::{SurfacePoints, bind_points};
 use bendtwin_mesh::Mesh;
-use bendtwin_surface::surface_of;
 
-use crate::Error;
+use crate::{Error, Format};
 
 /// Points of a twin that are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,18 +66,17 @@ impl<'a> Scene<'a> {
         if let Some(motion) = motion {
             check(motion, n, c)?;
         }
-        let colors = twin.appearance.as_ref().map_or(&[][..], |look| &look.skin_colors);
         let carried = match points {
             PointSet::Nodes => Cow::Owned(Surface::default()),
             PointSet::Skin => Cow::Owned(Surface {
                 carriers: twin.skin.clone(),
-                colors: colors.to_vec(),
+                colors: twin
+                    .appearance
+                    .as_ref()
+                    .map_or_else(Vec::new, |look| look.skin_colors.clone()),
                 ..Surface::default()
             }),
-            PointSet::Surface => match &twin.surface {
-                Some(surface) => Cow::Borrowed(surface),
-                None => Cow::Owned(surface_of(twin, colors).unwrap_or_default()),
-            },
+            PointSet::Surface => bendtwin_surface::of_twin(twin).unwrap_or_default(),
             PointSet::Mesh(mesh) => {
                 check_place(mesh, &twin.graph.rest_positions)?;
                 let observed_points = vec![u32::MAX; mesh.vertices.len()];
@@ -109,6 +107,26 @@ impl<'a> Scene<'a> {
         };
         let triangles = carried.faces();
         Ok(Self { name: name.to_owned(), twin, points, motion, carried, triangles, lines })
+    }
+
+    /// The points that a format is for: the surface where programs show them, unless a few nodes have none, and else
+    /// the nodes.
+    ///
+    /// # Errors
+    /// If the motion is not the twin's, or not finite, or the twin has no nodes.
+    pub fn of_format(
+        name: &str,
+        twin: &'a Twin,
+        format: Format,
+        motion: Option<&'a Motion>,
+    ) -> Result<Self, Error> {
+        if format.shows() {
+            match Self::new(name, twin, PointSet::Surface, motion) {
+                Err(Error::NoPoints(_)) => {}
+                scene => return scene,
+            }
+        }
+        Self::new(name, twin, PointSet::Nodes, motion)
     }
 
     /// Name for people.

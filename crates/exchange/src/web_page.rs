@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_core::Twin;
-use bendtwin_surface::surface_of;
+use bendtwin_surface::of_twin;
 
 use crate::Error;
 
@@ -22,8 +22,7 @@ pub fn web_page(template: &str, name: &str, content: &[u8]) -> Result<Vec<u8>, E
     let mut twin = Twin::decode(content)?;
     let mut shown = Cow::Borrowed(content);
     if twin.surface.is_none() {
-        let colors = twin.appearance.as_ref().map_or(&[][..], |look| &look.skin_colors);
-        twin.surface = surface_of(&twin, colors);
+        twin.surface = of_twin(&twin).map(Cow::into_owned);
         shown = Cow::Owned(twin.encode()?);
     }
     let file = BASE64_STANDARD.encode(&*shown);

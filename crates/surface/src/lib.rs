@@ -11,10 +11,22 @@ mod nets;
 mod tubes;
 mod wrap;
 
+use std::borrow::Cow;
+
 use bendtwin_core::{Graph, NodeKind, Point, Surface, Twin};
 use bendtwin_graph::{SurfacePoints, bind_points};
 
 pub use self::wrap::{Wrapped, wrap};
+
+/// The surface that a twin has, or one that is made for it in the colours of its skin; `None` if its points are too few
+/// for one.
+pub fn of_twin(twin: &Twin) -> Option<Cow<'_, Surface>> {
+    let colors = twin.appearance.as_ref().map_or(&[][..], |look| &look.skin_colors);
+    match &twin.surface {
+        Some(surface) => Some(Cow::Borrowed(surface)),
+        None => surface_of(twin, colors).map(Cow::Owned),
+    }
+}
 
 /// The surface of a twin at rest; `None` if its points are too few for one.
 ///

@@ -2,7 +2,6 @@
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
-use bendtwin_client::token;
 use clap::Args;
 use serde_json::json;
 
@@ -22,11 +21,7 @@ pub(crate) struct Console {
 pub(crate) async fn run(args: Console, global: &Global) -> anyhow::Result<()> {
     // Nothing is opened that does not answer.
     global.connect().await?;
-    let token = match &global.token_file {
-        Some(path) => Some(token::read(path)?),
-        None => token::find(&global.server)?,
-    };
-    let address = login_address(&global.server, "/", token.as_deref());
+    let address = login_address(&global.server, "/", global.token()?.as_deref());
     output::print(global, &json!({ "address": address }), || address.clone())?;
     if !args.print
         && !global.json

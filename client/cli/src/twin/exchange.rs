@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_core::Twin;
-use bendtwin_exchange::{Error, Format, Motion, PointSet, Scene};
+use bendtwin_exchange::{Format, Motion, PointSet, Scene};
 use bendtwin_mesh::{Limits, Mesh};
 use clap::Args;
 
@@ -39,18 +39,15 @@ impl Points {
         path: &Path,
     ) -> anyhow::Result<()> {
         let mesh = self.mesh.as_deref().map(read_mesh).transpose()?;
-        let points = match &mesh {
-            Some(mesh) => PointSet::Mesh(mesh),
-            None if self.skin => PointSet::Skin,
-            None if self.surface || (format.shows() && !self.nodes) => PointSet::Surface,
-            None => PointSet::Nodes,
+        let asked = match &mesh {
+            Some(mesh) => Some(PointSet::Mesh(mesh)),
+            None if self.skin => Some(PointSet::Skin),
+            None if self.surface => Some(PointSet::Surface),
+            None => self.nodes.then_some(PointSet::Nodes),
         };
-        let scene = match Scene::new(name, twin, points, motion) {
-            // Nobody asked for the surface: a few nodes have none.
-            Err(Error::NoPoints(_)) if *self == Self::default() => {
-                Scene::new(name, twin, PointSet::Nodes, motion)
-            }
-            scene => scene,
+        let scene = match asked {
+            Some(points) => Scene::new(name, twin, points, motion),
+            None => Scene::of_format(name, twin, format, motion),
         }
         .map_err(failure::failed)?;
         bendtwin_exchange::write(&scene, format, path).map_err(failure::failed)

@@ -8,7 +8,7 @@ use bendtwin_core::ids::CaptureId;
 
 use crate::{
     Captures, Content, Digest, Error, Result,
-    sql::{Builder, Transaction, query_scalar, row::row},
+    sql::{Builder, Transaction, row::row},
 };
 
 /// A product.
@@ -50,6 +50,17 @@ impl Captures<'_> {
         found.ok_or_else(|| Error::PlaybackMissing { name: id.to_string() })
     }
 
+    /// The digest of the playback of a capture; its content is not opened.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] if there is no such capture, [`Error::PlaybackMissing`] if it has none.
+    pub async fn playback_digest(&self, id: CaptureId) -> Result<Digest> {
+        let row = self.row(id, Product::Playback).await?;
+        self.require(id).await?;
+        let row = row.ok_or_else(|| Error::PlaybackMissing { name: id.to_string() })?;
+        read_digest(&row.digest, &format!("the playback of {id}"))
+    }
+
     /// The masks that the last ingest of a capture made of strokes.
     ///
     /// # Errors
@@ -65,11 +76,8 @@ impl Captures<'_> {
     /// # Errors
     /// Database errors.
     pub async fn masks_digest(&self, id: CaptureId) -> Result<Option<Digest>> {
-        let digest: Option<String> = query_scalar("select digest from masks where capture = $1")
-            .bind(id.uuid().to_string())
-            .fetch_optional(self.store.inner.database.read())
-            .await?;
-        digest.map(|hex| read_digest(&hex, &format!("the masks of {id}"))).transpose()
+        let row = self.row(id, Product::Masks).await?;
+        row.map(|row| read_digest(&row.digest, &format!("the masks of {id}"))).transpose()
     }
 
     /// Those of these captures that have masks, by their keys.
@@ -86,15 +94,19 @@ impl Captures<'_> {
         product: Product,
         name: &str,
     ) -> Result<Option<Content>> {
-        let mut sql = Builder::new("select size_bytes, digest from ");
-        sql.push(product.table()).push(" where capture = ").push_bind(id.uuid().to_string());
-        let row: Option<Row> = sql.build().fetch_optional(self.store.inner.database.read()).await?;
+        let row = self.row(id, product).await?;
         self.require(id).await?;
         let Some(row) = row else { return Ok(None) };
         let name = format!("the {name} of {id}");
         let digest = read_digest(&row.digest, &name)?;
         let size_bytes = u64::try_from(row.size_bytes).unwrap_or_default();
         self.store.blobs().read(&digest, Some(size_bytes), &name).await.map(Some)
+    }
+
+    async fn row(&self, id: CaptureId, product: Product) -> Result<Option<Row>> {
+        let mut sql = Builder::new("select size_bytes, digest from ");
+        sql.push(product.table()).push(" where capture = ").push_bind(id.uuid().to_string());
+        sql.build().fetch_optional(self.store.inner.database.read()).await
     }
 }
 

@@ -103,6 +103,7 @@ async fn a_deleted_capture_is_not_there_and_comes_back_whole(on: On) {
     assert_in_trash(captures.content(id).await);
     assert_in_trash(captures.observation_content(id).await);
     assert_in_trash(captures.playback_content(id).await);
+    assert_in_trash(captures.playback_digest(id).await);
     assert_in_trash(captures.masks_content(id).await);
     assert_in_trash(captures.report_content(id, false).await);
     assert_in_trash(captures.supplement_content(id, SupplementKind::Calibration).await);
@@ -132,7 +133,8 @@ async fn a_deleted_capture_is_not_there_and_comes_back_whole(on: On) {
     assert_eq!(after, before);
     captures.content(id).await.unwrap();
     captures.observation_content(id).await.unwrap();
-    captures.playback_content(id).await.unwrap();
+    let playback = captures.playback_content(id).await.unwrap();
+    assert_eq!(captures.playback_digest(id).await.unwrap(), playback.digest);
     captures.supplement_content(id, SupplementKind::Calibration).await.unwrap();
     let tagged = ListQuery { tag: "rope".into(), ..ListQuery::default() };
     assert_eq!(captures.list(&tagged).await.unwrap().items.len(), 1);

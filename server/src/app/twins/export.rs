@@ -4,9 +4,7 @@ use std::{io::Cursor, sync::Arc};
 
 use bendtwin_budget::Share;
 use bendtwin_core::{Twin as TwinFile, ids::TwinId};
-use bendtwin_exchange::{
-    Error as ExchangeError, ExportFormat, Format, PointSet, Scene, encode, web_page,
-};
+use bendtwin_exchange::{Error as ExchangeError, ExportFormat, Format, Scene, encode, web_page};
 
 use super::{App, Error, Result};
 use crate::{access::Scope, twin_page::twin_page_template};
@@ -64,15 +62,10 @@ fn page(name: &str, twin: &TwinFile) -> Result<Vec<u8>> {
     Ok(web_page(&template, name, &twin.encode()?)?)
 }
 
-/// The file: of the surface in formats of programs that show it, and else of the nodes, which a few nodes have alone.
+/// The file of another program.
 fn file(name: &str, twin: &TwinFile, format: Format) -> Result<Vec<u8>, ExchangeError> {
-    let points = if format.shows() { PointSet::Surface } else { PointSet::Nodes };
-    let scene = match Scene::new(name, twin, points, None) {
-        Err(ExchangeError::NoPoints(_)) => Scene::new(name, twin, PointSet::Nodes, None)?,
-        scene => scene?,
-    };
     let mut file = Cursor::new(Vec::new());
-    encode(&scene, format, &mut file)?;
+    encode(&Scene::of_format(name, twin, format, None)?, format, &mut file)?;
     Ok(file.into_inner())
 }
 

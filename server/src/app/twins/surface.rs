@@ -1,11 +1,11 @@
 //! The surface of a twin: that of its file, or one that is made for a file without.
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
 use bendtwin_budget::Share;
-use bendtwin_core::{Graph, Surface, Twin as TwinFile};
+use bendtwin_core::{Graph, Surface};
 use bendtwin_proto::v1::{Tensor, TwinSurface};
-use bendtwin_surface::surface_of;
+use bendtwin_surface::of_twin;
 use prost::Message as _;
 
 use super::{App, Error, Result, geometry::skin};
@@ -25,22 +25,13 @@ impl App {
     pub(crate) async fn twin_surface(&self, name: &str, as_lists: bool) -> Result<SurfaceReply> {
         let twin = self.reach(Scope::TwinsRead, name).await?;
         let _turn = self.drawing.turn().await;
-        let read = self.read_twin(twin, |row, twin| match surface(twin) {
+        let read = self.read_twin(twin, |row, twin| match of_twin(twin) {
             Some(surface) => Ok(message(&surface, &twin.graph)),
             None => Err(Error::NoSurface(row.id.to_string())),
         });
         let message = read.await?;
         let held = self.hold_tensors(message.encoded_len() as u64, as_lists).await?;
         Ok(SurfaceReply { message, held })
-    }
-}
-
-/// The surface of a twin file, made if it has none; `None` if its points are too few.
-pub(super) fn surface(twin: &TwinFile) -> Option<Cow<'_, Surface>> {
-    let colors = twin.appearance.as_ref().map_or(&[][..], |look| &look.skin_colors);
-    match &twin.surface {
-        Some(surface) => Some(Cow::Borrowed(surface)),
-        None => surface_of(twin, colors).map(Cow::Owned),
     }
 }
 

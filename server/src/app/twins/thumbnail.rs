@@ -7,13 +7,14 @@ use std::{
 };
 
 use bendtwin_core::{Point, ids::CaptureId};
-use bendtwin_store::{Content, Digest};
+use bendtwin_store::Digest;
+use bendtwin_surface::of_twin;
 use bytes::Bytes;
 use futures::TryStreamExt as _;
 use serde::Deserialize;
 use tokio::sync::{Semaphore, SemaphorePermit};
 
-use super::{App, Error, Result, surface::surface};
+use super::{App, Error, Result};
 use crate::access::Scope;
 
 /// Surfaces, pictures and exports that are made together.
@@ -129,7 +130,7 @@ impl App {
             return Ok(kept);
         }
         let _turn = self.drawing.turn().await;
-        let drawn = self.read_twin(id, move |row, twin| match surface(twin) {
+        let drawn = self.read_twin(id, move |row, twin| match of_twin(twin) {
             Some(surface) => {
                 Ok(bendtwin_thumbnail::of_surface(&surface, &twin.graph.rest_positions, width))
             }
@@ -142,31 +143,26 @@ impl App {
     }
 
     async fn capture_thumbnail(&self, name: &str, width: u32) -> Result<Thumbnail> {
-        let (id, content) = self.playback(name).await?;
-        let key = (content.digest, width);
+        let id = self.reach(Scope::CapturesRead, name).await?;
+        let key = (self.store.captures().playback_digest(id).await?, width);
         if let Some(kept) = self.drawing.find(key) {
             return Ok(kept);
         }
         let _turn = self.drawing.turn().await;
-        let picture = self.picture_of_playback(id, content, width).await?;
+        let picture = self.picture_of_playback(id, key).await?;
         self.drawing.keep(key, &picture);
         Ok(picture)
     }
 
-    async fn picture_of_playback(
-        &self,
-        id: CaptureId,
-        content: Content,
-        width: u32,
-    ) -> Result<Thumbnail> {
-        let (source, size) = (content.digest, content.size_bytes);
+    async fn picture_of_playback(&self, id: CaptureId, (source, width): Key) -> Result<Thumbnail> {
         let unread = || Error::Internal(format!("the playback of {id} cannot be read"));
         let part = async |from: u64, length: u64| -> Result<Vec<u8>> {
-            let end = from.checked_add(length).filter(|end| *end <= size).ok_or_else(unread)?;
-            if from == end {
+            if length == 0 {
                 return Ok(Vec::new());
             }
             let content = self.store.captures().playback_content(id).await?;
+            let size = content.size_bytes;
+            let end = from.checked_add(length).filter(|end| *end <= size).ok_or_else(unread)?;
             let chunks: Vec<_> = content.range(from..end).await?.chunks.try_collect().await?;
             Ok(chunks.concat())
         };

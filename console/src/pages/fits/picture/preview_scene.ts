@@ -1,5 +1,6 @@
 import { Box3, Vector3 } from 'three';
 import type { Api } from '../../../api/client';
+import { visiblePoints } from '../../../playback/extent';
 import { PlaybackFile } from '../../../playback/file/file';
 import type { SequenceHead } from '../../../playback/file/head';
 import { Motion, type Frame } from '../../../playback/file/motion';
@@ -108,7 +109,7 @@ export class PreviewScene implements Moving {
     if (sequence === undefined || all.length === 0) return;
     const { point_count: count } = sequence.motion;
     const positions = new Float32Array(3 * Math.max(count, 1));
-    const seen = all.map(visible);
+    const seen = all.map((frame) => visiblePoints(frame).points);
     const size = sizeOf(seen[0]!);
     this.#observed = this.stage.add(new PointsLayer(positions, { size, colour: COLOURS.observed }));
     this.#ground ??= new Ground(this.stage, seen[0]!);
@@ -121,7 +122,7 @@ export class PreviewScene implements Moving {
   #draw(): void {
     const recorded = this.#recorded.get(this.#frames[this.#index] ?? -1);
     if (this.#observed !== null && recorded !== undefined) {
-      const seen = visible(recorded);
+      const seen = visiblePoints(recorded).points;
       this.#observed.positions.set(seen);
       this.#observed.moved(seen.length / 3);
     }
@@ -138,15 +139,6 @@ function spread({ start_frame: first, frame_count: count }: SequenceHead): numbe
   const taken = Math.min(FRAMES, count - first);
   const steps = Math.max(taken - 1, 1);
   return Array.from({ length: taken }, (_, i) => first + Math.floor((i * (count - 1 - first)) / steps));
-}
-
-/** Points that a camera saw in a frame, shape [M, 3]. */
-function visible({ points, visible: flags }: Frame): Float32Array {
-  const kept: number[] = [];
-  flags.forEach((flag, i) => {
-    if (flag === 1 && !Number.isNaN(points[3 * i]!)) kept.push(points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!);
-  });
-  return Float32Array.from(kept);
 }
 
 /** A diameter at which points [M, 3] cover about half of their object [m]. */
