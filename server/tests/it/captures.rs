@@ -1,6 +1,7 @@
 mod ingests;
 mod masks;
 mod supplements;
+mod thumbnails;
 mod tus;
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
