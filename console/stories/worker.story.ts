@@ -10,8 +10,8 @@ describe('a fit that asks for a worker', () => {
   const files = folder();
   const config = join(files, 'config.toml');
   const args = ['worker', '--backend', 'cpu', '--label', 'lab=2', '--label', 'quiet'];
-  writeFileSync(config, `client_token = "none"\n[workers]\nargs = ${JSON.stringify(args)}\n`);
-  withServer(['--config', config]);
+  writeFileSync(config, `[workers]\nargs = ${JSON.stringify(args)}\n`);
+  withServer(['--config', config, '--client-token', 'none']);
   beforeAll(async () => {
     capture = await sendCapture(server, makeCapture(join(files, 'rope.zip'), 'rope'), 'rope');
   });

@@ -50,7 +50,8 @@ export class FitPicture {
       return;
     }
     const error = fit.job.progress?.error_m ?? null;
-    if (hasEnded(fit.job) && error === null) return;
+    // A fit that waits may have a capture that is yet to be read, or cannot be.
+    if (fit.job.state === 'QUEUED' || (hasEnded(fit.job) && error === null)) return;
     void this.#showPreview(fit, error);
   }
 
