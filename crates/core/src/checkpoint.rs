@@ -1,6 +1,6 @@
 //! The envelope of every checkpoint: what kind it is, which build wrote it, and which work it
 //! belongs to. Every build that has the version of the kind resumes from it, so that an upgrade does
-//! not cost the work of hours; the build is there for whoever examines a file.
+//! not cost the work of hours; the build is there for people who examine a file.
 //!
 //! | bytes | content |
 //! |---|---|
