@@ -1,4 +1,4 @@
-"""Changes of a release that the rules must notice: a rule that cannot fail is none.
+"""Changes of a release that the rules must notice: a rule that cannot fail proves nothing.
 
 Each change is for a file of values in which it is possible, and its fault contains the words beside it.
 """

@@ -59,7 +59,7 @@ class Helm:
         self.program = program
 
     def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
-        """Runs a command and returns its result, whatever it is."""
+        """Runs a command and returns its result, also if it failed."""
         return subprocess.run([self.program, *arguments], capture_output=True, text=True)
 
     def render(self, values: Path) -> Release:

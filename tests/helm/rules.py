@@ -162,7 +162,7 @@ def backends(ingress: Object) -> list[Object]:
 def several_pods_survive_a_node(release: Release) -> Iterator[str]:
     """Workloads of several pods have a budget and are spread."""
     for pods in release.pods("server", "worker"):
-        if pods.replicas == 1:
+        if pods.replicas in (0, 1):
             continue
         budgets = release.all("PodDisruptionBudget")
         if not any(selects(budget["spec"]["selector"], pods) for budget in budgets):
@@ -214,19 +214,13 @@ def selects(selector: Object, pods: Pods) -> bool:
 @rule
 def references_lead_somewhere(release: Release) -> Iterator[str]:
     """Volumes are mounted, files of variables are on them, and objects of the release exist."""
-    claims = release.names("PersistentVolumeClaim") | {
-        f"{template['metadata']['name']}-{owner['metadata']['name']}-0"
-        for owner in release.all("StatefulSet")
-        for template in owner["spec"].get("volumeClaimTemplates", [])
-    }
+    claims = release.names("PersistentVolumeClaim") | release.external
     made = {c["spec"]["secretName"] for c in release.all("Certificate")}
     for pods in release.pods():
         volumes = {volume["name"]: volume for volume in pods.spec.get("volumes", [])}
-        templates = pods.owner["spec"].get("volumeClaimTemplates", [])
-        mountable = volumes.keys() | {template["metadata"]["name"] for template in templates}
         for container in pods.containers:
             mounts = container.get("volumeMounts", [])
-            for missing in {mount["name"] for mount in mounts} - mountable:
+            for missing in {mount["name"] for mount in mounts} - volumes.keys():
                 yield f"{pods.name}: there is no volume {missing}"
             for name, value in pods.environment(container).items():
                 paths = [mount["mountPath"] for mount in mounts]
@@ -237,7 +231,7 @@ def references_lead_somewhere(release: Release) -> Iterator[str]:
             if config is not None and config not in release.names("ConfigMap"):
                 yield f"{pods.name}: there is no ConfigMap {config}"
             claim = volume.get("persistentVolumeClaim", {}).get("claimName")
-            if claim is not None and claim not in claims | release.external:
+            if claim is not None and claim not in claims:
                 yield f"{pods.name}: there is no claim {claim}"
             secret = volume.get("secret", {}).get("secretName")
             if secret is not None and made and secret.endswith("-tls") and secret not in made:

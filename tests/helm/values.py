@@ -15,8 +15,8 @@ HEAD = """# Values of the Helm chart
 
 Give them in a file (`--values FILE`) or one by one (`--set NAME=VALUE`).
 [kubernetes.md](kubernetes.md) shows how they belong together.
-This page is made of the comments in `values.yaml` of the chart; `values.schema.json` refuses
-everything else.
+This page is made of the comments in `values.yaml` of the chart.
+`values.schema.json` refuses everything else.
 """
 
 
@@ -53,9 +53,9 @@ def at(values: Any, keys: list[str]) -> Any:
 
 
 def page() -> str:
-    """The page of the documentation: a table for each part."""
+    """The page of the documentation: a table for each part, first what belongs to none."""
     lines, part = [HEAD], None
-    for value in described():
+    for value in sorted(described(), key=lambda value: "." in value.path):
         own = value.path.split(".")[0] if "." in value.path else "general"
         if own != part:
             lines.append(f"\n## {own}\n\n| value | default | meaning |\n|---|---|---|\n")

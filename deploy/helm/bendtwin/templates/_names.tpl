@@ -106,7 +106,7 @@ helm.sh/chart: {{ printf "%s-%s" .root.Chart.Name .root.Chart.Version | replace 
 
 {{/* Claim with the data of a single server. */}}
 {{- define "bendtwin.dataClaim" -}}
-{{- default (printf "data-%s-server-0" (include "bendtwin.fullname" .)) .Values.server.persistence.existingClaim -}}
+{{- default (printf "%s-data" (include "bendtwin.fullname" .)) .Values.server.persistence.existingClaim -}}
 {{- end }}
 
 {{/* The values of a pool: those of all pools, and its own. Takes root and pool. */}}
