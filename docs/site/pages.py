@@ -72,7 +72,7 @@ def place(path: PurePosixPath, is_folder: bool = False) -> PurePosixPath:
     """Return where a file or folder of the repository is among the pages."""
     inside = path.relative_to(DOCS) if path.is_relative_to(DOCS) else OUTSIDE / path
     if is_folder:
-        return inside / "index.md"
+        return inside / "folder.md"
     if path.name == "README.md":
         return inside.with_name("index.md")
     if path.suffix == ".md" or path.suffix in PICTURES or path.is_relative_to(DOCS):
@@ -181,11 +181,15 @@ class Site:
         return f"# `{path}`\n\n{fence}{language}\n{text.rstrip()}\n{fence}\n"
 
     def folder(self, path: PurePosixPath) -> str:
-        """Return a page that lists the files of a folder, which are shown as well."""
-        files = sorted(f.name for f in (self.root / path).iterdir() if f.is_file())
-        self.shown.update(path / name for name in files)
+        """Return a page that lists a folder, whose files are shown as well."""
         here = place(path, is_folder=True).parent
-        rows = [f"- [`{name}`]({relpath(place(path / name), here)})\n" for name in files]
+        rows = []
+        for file in sorted((self.root / path).iterdir()):
+            if file.is_dir():
+                rows.append(f"- `{file.name}/`\n")
+            else:
+                self.shown.add(path / file.name)
+                rows.append(f"- [`{file.name}`]({relpath(place(path / file.name), here)})\n")
         return f"# `{path}/`\n\n{''.join(rows)}"
 
     def write(self, out: Path) -> None:

@@ -29,7 +29,7 @@ INDEX = """# Product
 START = """# Getting started
 
 See [the options](../../deploy/config.toml), [adr/0001.md](../adr/0001.md), [all](../README.md#use),
-[a folder](../../deploy/kubernetes), `[code](../nowhere.md)`, [elsewhere](https://example.org/a.md).
+[a folder](../../deploy/chart), `[code](../nowhere.md)`, [elsewhere](https://example.org/a.md).
 
 ```
 [fenced](../nowhere.md)
@@ -46,7 +46,9 @@ FILES = {
     "docs/accuracy.md": "# Moved\n",
     "SECURITY.md": "# Security\n\n[Options](deploy/config.toml), [start](docs/use/start.md)\n",
     "deploy/config.toml": "# ```\nlisten = 1\n",
-    "deploy/kubernetes/server.yaml": "kind: Deployment\n",
+    "deploy/chart/README.md": "# Chart\n",
+    "deploy/chart/templates/a.yaml": "kind: Service\n",
+    "deploy/chart/server.yaml": "kind: Deployment\n",
 }
 
 
@@ -76,7 +78,7 @@ class PagesTest(unittest.TestCase):
         text = self.pages()["use/start.md"]
         self.assertIn("[the options](../source/deploy/config.toml.md)", text)
         self.assertIn("[all](../index.md#use)", text)
-        self.assertIn("[a folder](../source/deploy/kubernetes/index.md)", text)
+        self.assertIn("[a folder](../source/deploy/chart/folder.md)", text)
         self.assertIn("![picture](../pictures/a.png)", text)
         self.assertIn("[elsewhere](https://example.org/a.md)", text)
 
@@ -101,9 +103,10 @@ class PagesTest(unittest.TestCase):
         pages = self.pages()
         config = "# `deploy/config.toml`\n\n````toml\n# ```\nlisten = 1\n````\n"
         self.assertEqual(pages["source/deploy/config.toml.md"], config)
-        self.assertIn("(server.yaml.md)", pages["source/deploy/kubernetes/index.md"])
-        self.assertIn("kind: Deployment", pages["source/deploy/kubernetes/server.yaml.md"])
-        self.assertIn("(source/deploy/kubernetes/server.yaml.md)", pages["SUMMARY.md"])
+        rows = "- [`README.md`](index.md)\n- [`server.yaml`](server.yaml.md)\n- `templates/`\n"
+        self.assertEqual(pages["source/deploy/chart/folder.md"], f"# `deploy/chart/`\n\n{rows}")
+        self.assertIn("kind: Deployment", pages["source/deploy/chart/server.yaml.md"])
+        self.assertIn("(source/deploy/chart/server.yaml.md)", pages["SUMMARY.md"])
         self.assertIn("[start](../use/start.md)", pages["source/SECURITY.md"])
 
     def test_a_page_without_a_row_is_refused(self) -> None:
