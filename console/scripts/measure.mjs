@@ -4,9 +4,10 @@
 //   node scripts/measure.mjs surface [TRIANGLES NODES]      the same of a surface
 //   node scripts/measure.mjs splats [N NODES]               the same of splats, which get fewer where pictures are slow
 //   node scripts/measure.mjs playback URL CAPTURE           time of a picture of a playback, with the best twin
+//   node scripts/measure.mjs object URL TWIN                time until the page of a twin shows the object, from an empty cache
 //   node scripts/measure.mjs play URL TWIN [SECONDS]        time from an input to the picture that has it, and memory
 //
-// The server of `play` and `playback` is one that runs, for example `bendtwin server --client-token none`; for one with a
+// The server of `play`, `playback` and `object` is one that runs, for example `bendtwin server --client-token none`; for one with a
 // token BENDTWIN_TOKEN has it.
 
 import { fileURLToPath } from 'node:url';
@@ -26,9 +27,10 @@ try {
   else if (what === 'surface') await picture(Number(rest[1] ?? 1_000), 0, { triangles: Number(rest[0] ?? 8_000) });
   else if (what === 'splats') await picture(Number(rest[1] ?? 1_000), 0, { splats: Number(rest[0] ?? 20_000) });
   else if (what === 'playback' && rest[0] !== undefined && rest[1] !== undefined) await playback(rest[0], rest[1]);
+  else if (what === 'object' && rest[0] !== undefined && rest[1] !== undefined) await object(rest[0], rest[1]);
   else if (what === 'play' && rest[0] !== undefined && rest[1] !== undefined) {
     await play(rest[0], rest[1], Number(rest[2] ?? 20));
-  } else throw new Error('say `picture`, `surface`, `splats`, `playback URL CAPTURE` or `play URL TWIN`');
+  } else throw new Error('say `picture`, `surface`, `splats`, `playback URL CAPTURE`, `object URL TWIN` or `play URL TWIN`');
 } finally {
   await browser.close();
 }
@@ -108,15 +110,51 @@ async function work() {
 }
 
 /**
+ * Opens the page of a twin several times, each in a browser context that knows nothing of it yet.
+ * @param {string} url
+ * @param {string} twin
+ */
+async function object(url, twin) {
+  const times = [];
+  for (let visit = 0; visit < 5; visit += 1) {
+    const context = await browser.newContext({ viewport: { width: 1200, height: 800 } });
+    const page = await context.newPage();
+    await page.addInitScript(() => {
+      new MutationObserver((_, observer) => {
+        if (document.querySelector('.stage canvas') === null) return;
+        observer.disconnect();
+        // The first of them draws, and the second begins once that has been shown.
+        requestAnimationFrame(() => requestAnimationFrame((now) => Object.assign(window, { shown: now })));
+      }).observe(document, { childList: true, subtree: true });
+    });
+    await page.goto(addressOf(url, twin, ''));
+    const shown = await page.waitForFunction(() => /** @type {any} */ (window).shown);
+    times.push(/** @type {number} */ (await shown.jsonValue()));
+    await context.close();
+  }
+  console.log(`from the request of the page to the turning object: ${quantiles(times)}`);
+}
+
+/**
+ * Address of a page of a twin, with the token if the server wants one.
+ * @param {string} url
+ * @param {string} twin
+ * @param {string} page
+ */
+function addressOf(url, twin, page) {
+  const token = process.env['BENDTWIN_TOKEN'];
+  const query = token === undefined ? '' : `?token=${token}`;
+  return `${url}/#/${twin.startsWith('twins/') ? twin : `twins/${twin}`}${page}${query}`;
+}
+
+/**
  * @param {string} url
  * @param {string} twin
  * @param {number} seconds
  */
 async function play(url, twin, seconds) {
   const page = await browser.newPage({ viewport: { width: 1200, height: 800 } });
-  const token = process.env['BENDTWIN_TOKEN'];
-  const query = token === undefined ? '' : `?token=${token}`;
-  await page.goto(`${url}/#/${twin.startsWith('twins/') ? twin : `twins/${twin}`}/play${query}`);
+  await page.goto(addressOf(url, twin, '/play'));
   await page.getByText('frames/s simulated').waitFor();
   const box = await page.locator('canvas').boundingBox();
   if (box === null) throw new Error('there is no picture');

@@ -10,13 +10,17 @@ import unittest
 TOOL = pathlib.Path(__file__).resolve().parents[2] / "tools/compare"
 PROGRAM = """#!/bin/sh
 case $1 in
-    bench) echo '{"rows": [{"fidelity": "exact", "size": {"instances": 8, "frames": 5}, "gradients": false,
-        "time": {"best_s": BEST_S}}]}' ;;
+    bench) echo '{"rows": [{"fidelity": "exact", "size": {"instances": 8, "frames": 5},
+        "gradients": false, "time": {"best_s": BEST_S}}]}' ;;
     server)
         while [ "$1" != --port-file ]; do shift; done
         echo 7070 > "$2"
         exec tail -f /dev/null ;;
 esac
+"""
+CARGO = """#!/bin/sh
+mkdir -p "$CARGO_TARGET_DIR/release"
+cp program "$CARGO_TARGET_DIR/release/bendtwin"
 """
 
 
@@ -34,12 +38,16 @@ class Compare(unittest.TestCase):
 
     def compared(self, *arguments, **environment):
         command = [sys.executable, TOOL, *arguments]
-        return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
+        return subprocess.run(
+            command, capture_output=True, text=True, env={**os.environ, **environment}
+        )
 
     def test_what_takes_longer_is_marked(self):
         markdown = self.folder / "table.md"
         old, new = self.program("old", 0.002), self.program("new", 0.003)
-        done = self.compared(old, new, "--rounds", "7", "--only", "bench", "--markdown", str(markdown))
+        done = self.compared(
+            old, new, "--rounds", "7", "--only", "bench", "--markdown", str(markdown)
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         expected = "| rope, exact, costs of 8x5 | 2 ms | 3 ms | 1.50 | 1.50 to 1.50 | **more** |"
         self.assertIn(expected, done.stdout)
@@ -47,7 +55,9 @@ class Compare(unittest.TestCase):
         done = self.compared(new, old, "--rounds", "7", "--only", "bench")
         self.assertIn("| 0.67 | 0.67 to 0.67 | **less** |", done.stdout)
         # Few pairs prove nothing.
-        self.assertIn("1.50 to 1.50 |  |", self.compared(old, new, "--rounds", "3", "--only", "bench").stdout)
+        self.assertIn(
+            "1.50 to 1.50 |  |", self.compared(old, new, "--rounds", "3", "--only", "bench").stdout
+        )
 
     def test_a_server_is_started_and_ended(self):
         program = self.program("same", 1)
@@ -62,16 +72,22 @@ class Compare(unittest.TestCase):
         (root / "tests/old").symlink_to(TOOL.parents[1] / "tests/old")
         (root / "program").write_text(PROGRAM)
         git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
-        for command in ["init", "--quiet"], ["add", "program"], ["commit", "--quiet", "--message", "a"]:
+        for command in (
+            ["init", "--quiet"],
+            ["add", "program"],
+            ["commit", "--quiet", "--message", "a"],
+        ):
             subprocess.run([*git, *command], cwd=root, check=True)
         tools.mkdir()
-        (tools / "cargo").write_text('#!/bin/sh\nmkdir -p "$CARGO_TARGET_DIR/release"\ncp program "$CARGO_TARGET_DIR/release/bendtwin"\n')
+        (tools / "cargo").write_text(CARGO)
         (tools / "cargo").chmod(0o755)
         places = {"BENDTWIN_COMPARE_ROOT": str(root), "PATH": f"{tools}:{os.environ['PATH']}"}
         done = self.compared("HEAD", "HEAD", "--rounds", "1", "--only", "size", **places)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("| size of the program | 0.0 MiB | 0.0 MiB | 1.00 |", done.stdout)
-        trees = subprocess.run(["git", "worktree", "list"], cwd=root, capture_output=True, text=True).stdout
+        trees = subprocess.run(
+            ["git", "worktree", "list"], cwd=root, capture_output=True, text=True
+        ).stdout
         self.assertEqual(len(trees.splitlines()), 1, trees)
 
     def test_what_is_no_build_is_refused(self):

@@ -49,7 +49,9 @@ class Release(unittest.TestCase):
         self.write("Cargo.toml", CARGO)
         self.write("a/Cargo.toml", MEMBER)
         self.write("a/lib.rs", "")
-        self.write("c/package.json", '{\n  "name": "c",\n  "version": "0.1.0",\n  "type": "module"\n}\n')
+        self.write(
+            "c/package.json", '{\n  "name": "c",\n  "version": "0.1.0",\n  "type": "module"\n}\n'
+        )
         self.write("c/package-lock.json", LOCK)
         self.write("chart/Chart.yaml", 'name: e\nversion: 0.1.0\nappVersion: "0.1.0"\n')
         self.write("openapi.json", '{"info":{"title":"BendTwin","version":"0.1.0"}}')
@@ -57,7 +59,9 @@ class Release(unittest.TestCase):
         for text in ("LICENSE-MIT", "LICENSE-APACHE", "README.md"):
             self.write(text, text)
         self.git("init", "--quiet")
-        subprocess.run(["cargo", "generate-lockfile", "--offline", "--quiet"], cwd=self.root, check=True)
+        subprocess.run(
+            ["cargo", "generate-lockfile", "--offline", "--quiet"], cwd=self.root, check=True
+        )
         self.commit()
 
     def write(self, name, text):
@@ -70,7 +74,9 @@ class Release(unittest.TestCase):
 
     def git(self, *arguments):
         facts = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
-        done = subprocess.run(["git", *facts, *arguments], cwd=self.root, check=True, capture_output=True, text=True)
+        done = subprocess.run(
+            ["git", *facts, *arguments], cwd=self.root, check=True, capture_output=True, text=True
+        )
         return done.stdout
 
     def commit(self):
@@ -78,7 +84,11 @@ class Release(unittest.TestCase):
         self.git("commit", "--quiet", "--message", "a")
 
     def tool(self, *arguments, **environment):
-        author = {f"GIT_{who}_{fact}": "a" for who in ("AUTHOR", "COMMITTER") for fact in ("NAME", "EMAIL")}
+        author = {
+            f"GIT_{who}_{fact}": "a"
+            for who in ("AUTHOR", "COMMITTER")
+            for fact in ("NAME", "EMAIL")
+        }
         all_of_it = {**os.environ, **author, "BENDTWIN_RELEASE_ROOT": str(self.root), **environment}
         command = [sys.executable, TOOL, *arguments]
         return subprocess.run(command, env=all_of_it, capture_output=True, text=True)
@@ -116,7 +126,9 @@ class Release(unittest.TestCase):
 
     def test_notes_have_links_that_work_elsewhere(self):
         self.assertEqual(self.succeeds("notes", "0.1.0"), "- The first.\n")
-        notes = self.succeeds("notes", "Unreleased", BENDTWIN_RELEASE_PAGES="https://example.org/tree")
+        notes = self.succeeds(
+            "notes", "Unreleased", BENDTWIN_RELEASE_PAGES="https://example.org/tree"
+        )
         self.assertIn("[fly](https://example.org/tree/vUnreleased/docs/fly.md)", notes)
         self.assertIn("[elsewhere](https://example.org)", notes)
         self.fails("no section 0.9.0", "notes", "0.9.0")
@@ -124,7 +136,10 @@ class Release(unittest.TestCase):
     def test_what_cannot_be_released(self):
         self.fails("is no version", "bump", "next")
         self.fails("has a section 0.1.0", "bump", "0.1.0")
-        self.write("CHANGELOG.md", CHANGELOG.replace("### Twins\n\n- Twins", "").split("[fly]")[0] + "\n## 0.1.0 (a)\n")
+        self.write(
+            "CHANGELOG.md",
+            CHANGELOG.replace("### Twins\n\n- Twins", "").split("[fly]")[0] + "\n## 0.1.0 (a)\n",
+        )
         self.fails("nothing under Unreleased", "bump", "0.2.0")
         self.write("openapi.json", '{"info":{"title":"BendTwin","version":"0.0.9"}}')
         self.fails("openapi.json states 0.0.9", "check")
@@ -142,7 +157,10 @@ class Release(unittest.TestCase):
         with tarfile.open(self.root / f"out/{name}.tar.gz") as archive:
             self.assertIn(f"{name}/LICENSE-MIT", archive.getnames())
             self.assertEqual(archive.getmember(f"{name}/bendtwin").mode, 0o755)
-        for platform, expected in ("macosx_11_0_arm64", "macos-arm64"), ("manylinux_2_28_x86_64", "linux-x86-64"):
+        for platform, expected in (
+            ("macosx_11_0_arm64", "macos-arm64"),
+            ("manylinux_2_28_x86_64", "linux-x86-64"),
+        ):
             other = wheel.with_name(f"bendtwin-0.1.0-py3-none-{platform}.whl")
             wheel.rename(other)
             self.assertIn(expected, self.succeeds("package", str(other), str(self.root / "out")))
