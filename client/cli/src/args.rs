@@ -1,6 +1,7 @@
 //! The command line as a whole: shared options and the list of commands.
 
 pub(crate) mod completions;
+pub(crate) mod licenses;
 pub(crate) mod requirements;
 
 use clap::{Parser, Subcommand};
@@ -81,6 +82,8 @@ pub(crate) enum Command {
     Healthcheck(healthcheck::Healthcheck),
     /// Print the completion script for a shell
     Completions(completions::Completions),
+    /// Print the licence of this program, and the notices of the software in it
+    Licenses(licenses::Licenses),
 }
 
 #[cfg(test)]

@@ -115,5 +115,6 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Doctor(args) => doctor::run(args, global).await,
         Command::Healthcheck(args) => server::healthcheck::run(args, global).await,
         Command::Completions(args) => args::completions::run(&args),
+        Command::Licenses(args) => args::licenses::run(&args, global),
     }
 }

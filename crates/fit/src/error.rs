@@ -58,7 +58,7 @@ pub enum Error {
     Checkpoint(String),
     /// The checkpoint belongs to another fit.
     #[error(
-        "the checkpoint belongs to another capture, other settings or another build: start the fit again without it"
+        "the checkpoint belongs to another capture or other settings: start the fit again without it"
     )]
     #[problem(FailedPrecondition, "CHECKPOINT_OF_ANOTHER_FIT")]
     OtherCheckpoint,

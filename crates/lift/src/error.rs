@@ -127,7 +127,7 @@ pub enum Error {
     Checkpoint(String),
     /// The checkpoint belongs to another ingest.
     #[error(
-        "the checkpoint belongs to another recording, other settings or another build: start the ingest again without it"
+        "the checkpoint belongs to another recording or other settings: start the ingest again without it"
     )]
     #[problem(FailedPrecondition, "CHECKPOINT_OF_ANOTHER_INGEST")]
     OtherCheckpoint,

@@ -9,6 +9,7 @@ mod labels;
 mod looks;
 mod malformed;
 mod memory;
+mod old;
 mod operation;
 mod over_http;
 mod plays;
