@@ -56,7 +56,7 @@ fn is_generated(name: &str) -> bool {
         "client/python/src/bendtwin/aio/twin.py",
         "console/built/",
         "console/screenshots/",
-        "console/src/api/schema.ts",
+        "client/typescript/src/schema.ts",
         "console/package-lock.json",
     ];
     parts.iter().any(|part| name.starts_with(part)) || name.ends_with("Cargo.lock")
