@@ -5,6 +5,7 @@ const server = process.env['BENDTWIN_SERVER'] ?? 'http://127.0.0.1:7070';
 
 export default defineConfig({
   base: './',
+  resolve: { tsconfigPaths: true },
   build: {
     target: 'es2023',
     // Everything comes as a file of its own: the policy of the page allows nothing inline.
@@ -12,8 +13,8 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
     // What all pages share comes with the frame, in one file instead of one for each module.
-    rolldownOptions: { checks: { pluginTimings: false }, output: { codeSplitting: { groups: [{ name: 'shared', test: /src[\\/](api|ui)[\\/]/ }] } } },
+    rolldownOptions: { checks: { pluginTimings: false }, output: { codeSplitting: { groups: [{ name: 'shared', test: /console[\\/]src[\\/](api|ui)[\\/]|client[\\/]typescript[\\/]/ }] } } },
   },
-  server: { proxy: { '/v1': { target: server, ws: true }, '/metrics': server, '/healthz': server } },
-  test: { include: ['src/**/*.test.ts'], environment: 'node' },
+  server: { fs: { allow: ['..'] }, proxy: { '/v1': { target: server, ws: true }, '/metrics': server, '/healthz': server } },
+  test: { include: ['src/**/*.test.ts', '../client/typescript/src/**/*.test.ts'], environment: 'node' },
 });

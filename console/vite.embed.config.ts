@@ -36,6 +36,7 @@ const onePage: Plugin = {
 /** The page of one twin, which `bendtwin twin export` writes: a separate file beside those of the console. */
 export default defineConfig({
   plugins: [onePage],
+  resolve: { tsconfigPaths: true },
   publicDir: false,
   build: {
     target: 'es2023',

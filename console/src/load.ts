@@ -1,4 +1,4 @@
-import { ServerLost } from './api/connection';
+import { ServerLost } from '@bendtwin/client';
 import type { Api } from './api/client';
 import type { OpenPage } from './page';
 import type { Route } from './routes';

@@ -1,7 +1,5 @@
-import { Problem } from './api/client';
+import { Problem, ServerLost, sleep } from '@bendtwin/client';
 import type { Api } from './api/client';
-import { ServerLost } from './api/connection';
-import { sleep } from './api/backoff';
 import { signOut } from './api/sign_in';
 import { Tabs } from './api/tabs';
 import { takeTokenFromAddress, token } from './api/token';

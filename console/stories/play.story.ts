@@ -1,8 +1,8 @@
+import { openTwinFile } from '@bendtwin/client';
 import { readFileSync } from 'node:fs';
 import type { Download, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
 import type { Api } from '../src/api/client';
-import { openTwinFile } from '../src/api/twin_file';
 import { lift, middle } from './kit/drag';
 import { changed, distance, mean, settled, type Colour } from './kit/pixels';
 import { fittedRope } from './kit/rope';

@@ -2,6 +2,7 @@ import { defineConfig } from 'vitest/config';
 
 /** Stories in Chromium, each file with a server of its own. */
 export default defineConfig({
+  resolve: { tsconfigPaths: true },
   test: {
     // Pictures of the documents are made on request: they take minutes, and check only what they make.
     include: process.env['BENDTWIN_PICTURES'] === 'make' ? ['stories/pictures.story.ts'] : ['stories/**/*.story.ts'],

@@ -5,7 +5,7 @@ use std::io::{self, Read as _};
 
 use flate2::read::GzDecoder;
 
-const COMPRESSED: &[u8] = include_bytes!("../../console/built/embed.html.gz");
+const COMPRESSED: &[u8] = include_bytes!("../embedded/console/embed.html.gz");
 
 /// The template, with places for a twin and its name.
 ///

@@ -4,7 +4,11 @@ use std::io::IsTerminal as _;
 
 use bendtwin_telemetry::Exporter;
 use clap::{Args, ValueEnum};
-use tracing_subscriber::{EnvFilter, fmt, prelude::*};
+use tracing_subscriber::{
+    filter::{LevelFilter, Targets},
+    fmt,
+    prelude::*,
+};
 
 /// The environment variables of the options.
 const LOG: &str = "BENDTWIN_LOG";
@@ -59,14 +63,8 @@ impl Options {
 /// Starts logging: at level info for a process that runs as a service, at level warn for other
 /// commands. Panics are logged, too, and `traces` get its spans.
 pub fn start(options: &Options, is_service: bool, traces: Option<&Exporter>) {
-    let standard = if is_service { "info" } else { "warn" };
-    let filter = match &options.log {
-        Some(filter) => EnvFilter::try_new(filter).unwrap_or_else(|error| {
-            eprintln!("warning: --log {filter}: {error}; taking `{standard}`");
-            EnvFilter::new(standard)
-        }),
-        None => EnvFilter::new(standard),
-    };
+    let standard = if is_service { LevelFilter::INFO } else { LevelFilter::WARN };
+    let filter = filter(options.log.as_deref(), standard);
     let registry = tracing_subscriber::registry().with(filter).with(traces.map(Exporter::layer));
     let started = match options.log_format {
         Format::Text => {
@@ -85,3 +83,16 @@ pub fn start(options: &Options, is_service: bool, traces: Option<&Exporter>) {
         tracing::error!(place, "panic: {message}");
     }));
 }
+
+/// The filter that was asked for; without one, or with a warning if it cannot be read, a level for all.
+fn filter(asked: Option<&str>, standard: LevelFilter) -> Targets {
+    let everything = Targets::new().with_default(standard);
+    let Some(text) = asked else { return everything };
+    text.parse().unwrap_or_else(|error| {
+        eprintln!("warning: --log {text}: {error}; taking `{standard}`");
+        everything
+    })
+}
+
+#[cfg(test)]
+mod tests;

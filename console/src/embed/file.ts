@@ -1,4 +1,4 @@
-import { readHeader, startOfData } from '../api/twin_file';
+import { readHeader, startOfData } from '@bendtwin/client';
 import { NO_FRAME, startsOf, type Skin } from '../view3d/skin';
 import { ofLength, within } from '../view3d/tensor';
 

@@ -1,7 +1,7 @@
+import { bytesOfBase64 } from '@bendtwin/client';
 import '../ui/colors.css';
 import './embed.css';
 import { h } from '../ui/dom';
-import { bytesOfBase64 } from '../view3d/tensor';
 import { twinPage } from './page';
 
 // The entry of a page that shows one twin: its file is in the page, its name is the title.

@@ -1,5 +1,4 @@
-import { Problem } from '../api/client';
-import { hasEnded, type Capture } from '../api/types';
+import { hasEnded, Problem, type Capture } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../page';
 import { findingList } from '../pages/captures/report/findings';
 import { concerns, type Report } from '../pages/captures/report/report';

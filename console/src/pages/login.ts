@@ -1,7 +1,6 @@
-import { Problem } from '../api/client';
+import { Problem, type SignIn } from '@bendtwin/client';
 import { beginSignIn, endSignIn, hasReturned, loginElsewhere } from '../api/sign_in';
 import { setToken, tokenIn } from '../api/token';
-import type { SignIn } from '../api/types';
 import type { OpenPage, PageContext } from '../page';
 import { h } from '../ui/dom';
 import { command } from '../ui/empty';

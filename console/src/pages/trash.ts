@@ -1,5 +1,4 @@
-import { idOf } from '../api/routes';
-import type { TrashedResource } from '../api/types';
+import { idOf, type TrashedResource } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../page';
 import { confirm } from '../ui/dialog';
 import { h } from '../ui/dom';

@@ -1,5 +1,4 @@
-import { idOf } from '../api/routes';
-import type { Worker } from '../api/types';
+import { idOf, type Worker } from '@bendtwin/client';
 import type { OpenPage } from '../page';
 import { badge } from '../ui/badge';
 import { h } from '../ui/dom';

@@ -1,5 +1,5 @@
+import type { Collider } from '@bendtwin/client';
 import { Quaternion, Vector3 } from 'three';
-import type { Collider } from '../api/types';
 import { h } from '../ui/dom';
 import { ArrowsLayer, type Arrow } from '../view3d/layers/arrows';
 import { CollidersLayer } from '../view3d/layers/colliders';

@@ -1,4 +1,4 @@
-import { idOf } from '../api/routes';
+import { idOf } from '@bendtwin/client';
 import { visitedTwin } from '../api/visit';
 import type { PageContext } from '../page';
 import { loadShape, type TwinShape } from '../view3d/shape';

@@ -1,4 +1,4 @@
-import { idOf } from '../api/routes';
+import { idOf } from '@bendtwin/client';
 import type { OpenPage } from '../page';
 import { PlayPage } from './play_page';
 import type { Ready, Text } from './protocol/messages';

@@ -1,4 +1,4 @@
-import type { Collider, World } from '../api/types';
+import type { Collider, World } from '@bendtwin/client';
 import { planeOf, type Plane } from '../view3d/shape';
 import type { Factors } from './protocol/messages';
 

@@ -1,4 +1,4 @@
-import { Problem } from '../api/client';
+import { Problem } from '@bendtwin/client';
 import type { OpenPage } from '../page';
 import { h } from '../ui/dom';
 import { problemBox } from '../ui/problem';

@@ -1,5 +1,5 @@
+import { packed } from '@bendtwin/client';
 import { describe, expect, it } from 'vitest';
-import { packed } from '../view3d/tensor';
 import { Prediction } from './prediction';
 
 const floats = (...values: number[]): Float32Array => Float32Array.from(values);

@@ -1,7 +1,6 @@
+import { floats, type Evaluation, type PredictedMotion } from '@bendtwin/client';
 import type { Api } from '../api/client';
-import type { Evaluation, PredictedMotion } from '../api/types';
 import type { Quality, Score } from '../pages/twins/quality';
-import { floats } from '../view3d/tensor';
 
 /** Errors of a frame [m]; null where they were not measured. */
 export interface FrameErrors {

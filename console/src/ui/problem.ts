@@ -1,5 +1,4 @@
-import { Problem } from '../api/client';
-import { ServerLost } from '../api/connection';
+import { Problem, ServerLost } from '@bendtwin/client';
 import { h } from './dom';
 import { withGuide } from './guide';
 

@@ -1,4 +1,4 @@
-import { sleep } from '../api/backoff';
+import { sleep } from '@bendtwin/client';
 import type { PageContext } from '../page';
 
 /**

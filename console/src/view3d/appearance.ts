@@ -1,6 +1,6 @@
+import { openTwinFile, type Entry } from '@bendtwin/client';
 import type { Api } from '../api/client';
 import { mayDownload } from '../api/visit';
-import { openTwinFile, type Entry } from '../api/twin_file';
 import { startsOf, type Skin } from './skin';
 
 /** Gaussians that nodes carry, G of them: docs/formats/twin.md. */

@@ -1,7 +1,6 @@
+import { base64, packed, type TwinGeometry } from '@bendtwin/client';
 import { describe, expect, it } from 'vitest';
-import type { TwinGeometry } from '../api/types';
 import { readShape } from './shape';
-import { base64, packed } from './tensor';
 
 function packedIndices(values: readonly number[], shape: number[]): ReturnType<typeof packed> {
   const numbers = new Uint32Array(values);

@@ -1,9 +1,9 @@
+import { floats, indices, type TwinGeometry, type World } from '@bendtwin/client';
 import type { Api } from '../api/client';
-import type { TwinGeometry, World } from '../api/types';
 import { loadAppearance, type Appearance } from './appearance';
 import { readSkin, type Skin } from './skin';
 import { askSurface, readSurface, type Surface } from './surface/surface';
-import { floats, indices, ofLength, within } from './tensor';
+import { ofLength, within } from './tensor';
 
 /** Points with normal . x >= offset are above it. */
 export interface Plane {

@@ -1,5 +1,5 @@
-import type { TwinGeometry } from '../api/types';
-import { floats, indices, ofLength, within } from './tensor';
+import { floats, indices, type TwinGeometry } from '@bendtwin/client';
+import { ofLength, within } from './tensor';
 
 /** Points of a surface that nodes carry, M points and K weights: docs/formats/twin.md, Skin. */
 export interface Skin {

@@ -21,7 +21,7 @@ use super::no_such_route;
 use crate::{access::PAGES, app::App};
 
 /// Address, media type and compressed content of each file.
-const FILES: &[(&str, &str, &[u8])] = include!("../../../console/built/files.rs");
+const FILES: &[(&str, &str, &[u8])] = include!("../../embedded/console/files.rs");
 /// Files by address.
 static ASSETS: LazyLock<HashMap<&str, Asset>> = LazyLock::new(|| {
     FILES.iter().map(|(path, ..)| *path).zip(FILES.iter().map(Asset::new)).collect()

@@ -15,14 +15,14 @@ use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
 use super::no_such_route;
 use crate::app::App;
 
-const TEXT: &str = include_str!("../../../docs/use/cameras.md");
+const TEXT: &str = include_str!("../../embedded/use/cameras.md");
 
 /// Declares the files that the page shows or links to, each by its path from `docs/use`.
 macro_rules! files {
     ($($path:literal $media_type:literal,)*) => {
         /// Path from `docs/use`, media type, content.
         const FILES: &[(&str, &str, &[u8])] =
-            &[$(($path, $media_type, include_bytes!(concat!("../../../docs/use/", $path)))),*];
+            &[$(($path, $media_type, include_bytes!(concat!("../../embedded/use/", $path)))),*];
     };
 }
 

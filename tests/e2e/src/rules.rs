@@ -8,5 +8,6 @@ mod idioms;
 mod reasons;
 mod rust_code;
 mod sentences;
+mod shared_build;
 mod tidy;
 pub(crate) mod workspace;

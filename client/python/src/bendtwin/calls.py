@@ -132,7 +132,7 @@ class Following(Generic[_Read]):
         self._watched = watched
         self._deadline = None if timeout_s is None else time.monotonic() + timeout_s
         self._revision = 0
-        self.has_ended = False
+        self.has_ended: bool = False
 
     @property
     def request(self) -> Any:
@@ -317,8 +317,9 @@ def get_fit(name: str) -> Call[Fit]:
 
 def list_fits(capture: str, state: JobState | None, choice: ListArguments) -> Pages[Fit]:
     """Fits, of all captures or one, in any state or one."""
-    number = None if state is None else state.value
-    request = fit_pb2.ListFitsRequest(capture=capture, state=number, **choice)
+    request = fit_pb2.ListFitsRequest(capture=capture, **choice)
+    if state is not None:
+        request.state = state.value
     return Pages(
         lambda s: s.fits.ListFits, request, lambda page: [Fit.from_proto(f) for f in page.fits]
     )

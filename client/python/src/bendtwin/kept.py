@@ -18,7 +18,7 @@ class Kept:
         # None: the session's first state.
         self._states: list[InitialState | None] = [None] * slots
         #: Frames by which each slot has been advanced since the state that is kept of it.
-        self.behind = [0] * slots
+        self.behind: list[int] = [0] * slots
 
     def advanced(
         self, slots: Sequence[int], rollout: rollout_pb2.RollOutRequest, result: RolloutResult

@@ -44,8 +44,9 @@ class SessionCalls(Generic[_Caller, _Twin]):
         vary: Vary | None = None,
     ) -> None:
         #: Facts from the server.
-        self.info = info
-        self.twin = twin
+        self.info: SessionInfo = info
+        #: The twin that the session simulates.
+        self.twin: _Twin = twin
         self._caller = caller
         self._opening = opening
         self._kept = Kept(info.slots)

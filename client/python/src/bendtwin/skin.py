@@ -16,7 +16,7 @@ IndexArray = npt.NDArray[np.uint32]
 
 PointSet = Literal["nodes", "skin"]
 
-POINT_SETS: dict[str, rollout_pb2.PointSet] = {
+POINT_SETS: dict[str, rollout_pb2.PointSet.ValueType] = {
     "nodes": rollout_pb2.NODES,
     "skin": rollout_pb2.SKIN,
 }

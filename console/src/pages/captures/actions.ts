@@ -1,5 +1,4 @@
-import type { Capture } from '../../api/types';
-import { hasEnded } from '../../api/types';
+import { hasEnded, type Capture } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { actionButton, deleteButton, download } from '../parts/actions';

@@ -1,4 +1,4 @@
-import { hasEnded, type Capture } from '../../api/types';
+import { hasEnded, type Capture } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { problemBox } from '../../ui/problem';

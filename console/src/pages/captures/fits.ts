@@ -1,4 +1,4 @@
-import type { Fit } from '../../api/types';
+import type { Fit } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { count } from '../../ui/format';
 

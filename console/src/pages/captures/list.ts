@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import { hasEnded, type Capture } from '../../api/types';
+import { hasEnded, idOf, type Capture } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';

@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import { hasEnded, type Fit, type Twin } from '../../api/types';
+import { hasEnded, idOf, type Fit, type Twin } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';

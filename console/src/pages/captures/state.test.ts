@@ -1,6 +1,6 @@
+import type { Capture } from '@bendtwin/client';
 import { expect, test } from 'vitest';
 
-import type { Capture } from '../../api/types';
 import { stateOf, whyNoFit } from './state';
 
 function capture(state: string, verdict: string | null = null, settings: object = {}): Capture {

@@ -1,4 +1,4 @@
-import type { Capture } from '../../api/types';
+import type { Capture } from '@bendtwin/client';
 import { badge } from '../../ui/badge';
 import type { Child } from '../../ui/dom';
 import { percent } from '../../ui/format';

@@ -1,4 +1,4 @@
-import type { Capture } from '../../api/types';
+import type { Capture } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';

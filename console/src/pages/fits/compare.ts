@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import { tookS, type Fit, type LossCurve } from '../../api/types';
+import { idOf, tookS, type Fit, type LossCurve } from '@bendtwin/client';
 import type { OpenPage } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';

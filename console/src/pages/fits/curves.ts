@@ -1,4 +1,4 @@
-import type { LossCurve } from '../../api/types';
+import type { LossCurve } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { count, millimetres } from '../../ui/format';

@@ -1,6 +1,4 @@
-import { idOf } from '../../api/routes';
-import { Problem } from '../../api/problem';
-import { hasEnded, type Capture, type Fit } from '../../api/types';
+import { hasEnded, idOf, Problem, type Capture, type Fit } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';

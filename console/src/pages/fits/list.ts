@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import { hasEnded, tookS, type Fit } from '../../api/types';
+import { hasEnded, idOf, tookS, type Fit } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h, type Child } from '../../ui/dom';

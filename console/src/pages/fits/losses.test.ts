@@ -1,6 +1,6 @@
+import type { LossCurve } from '@bendtwin/client';
 import { expect, test } from 'vitest';
 
-import type { LossCurve } from '../../api/types';
 import { chartsOf, errorCharts, lastLosses, lossText } from './losses';
 
 const CURVES: LossCurve[] = [

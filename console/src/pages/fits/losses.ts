@@ -1,4 +1,4 @@
-import type { LossCurve } from '../../api/types';
+import type { LossCurve } from '@bendtwin/client';
 
 /** A line of a chart. */
 export interface Line {

@@ -1,6 +1,4 @@
-import { idOf } from '../../api/routes';
-import { Problem } from '../../api/problem';
-import type { Capture, Fit, Worker } from '../../api/types';
+import { idOf, Problem, type Capture, type Fit, type Worker } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';

@@ -1,6 +1,6 @@
+import type { Capture, Fit, Worker } from '@bendtwin/client';
 import { expect, test } from 'vitest';
 
-import type { Capture, Fit, Worker } from '../../api/types';
 import { ANY_WORKER } from '../parts/requirements';
 import { whyItWaits } from './waiting';
 

@@ -1,4 +1,4 @@
-import { hasEnded, type Capture, type Fit, type Worker } from '../../api/types';
+import { hasEnded, type Capture, type Fit, type Worker } from '@bendtwin/client';
 import { counted } from '../../ui/format';
 import { ANY_WORKER, satisfies, wanted } from '../parts/requirements';
 

@@ -1,4 +1,4 @@
-import type { Worker } from '../../api/types';
+import type { Worker } from '@bendtwin/client';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { counted } from '../../ui/format';

@@ -1,10 +1,10 @@
+import type { Fit, Twin } from '@bendtwin/client';
 import { h } from '../../ui/dom';
 import type { Child } from '../../ui/dom';
 import { badge } from '../../ui/badge';
 import { millimetres, name, percent, time } from '../../ui/format';
 import { table } from '../../ui/table';
 import type { Column } from '../../ui/table';
-import type { Fit, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
 import { thumbnail } from '../../ui/thumbnail';
 import { levelBadge } from '../twins/verdict/level';

@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import { hasEnded, type Capture } from '../../api/types';
+import { hasEnded, idOf, type Capture } from '@bendtwin/client';
 import { h } from '../../ui/dom';
 import { cli, command } from '../../ui/empty';
 import { hasPoints } from '../parts/ingest';

@@ -1,5 +1,5 @@
+import type { Capture, Fit, OwnerUsage, Twin } from '@bendtwin/client';
 import { jobs, parseMetrics, total } from '../../api/metrics';
-import type { Capture, Fit, OwnerUsage, Twin } from '../../api/types';
 import type { PageContext } from '../../page';
 import { totalOf } from '../../ui/list';
 

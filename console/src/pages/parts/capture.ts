@@ -1,6 +1,4 @@
-import { Problem } from '../../api/problem';
-import { idOf } from '../../api/routes';
-import type { Capture } from '../../api/types';
+import { idOf, Problem, type Capture } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { name } from '../../ui/format';

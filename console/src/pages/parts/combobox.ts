@@ -1,4 +1,4 @@
-import { sleep } from '../../api/backoff';
+import { sleep } from '@bendtwin/client';
 import { h, type Child } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { counted } from '../../ui/format';

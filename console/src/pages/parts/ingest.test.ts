@@ -1,5 +1,5 @@
+import type { Capture } from '@bendtwin/client';
 import { expect, it } from 'vitest';
-import type { Capture } from '../../api/types';
 import { changed, keptSettings } from './ingest';
 
 it('settings of an ingest are changed one by one', () => {

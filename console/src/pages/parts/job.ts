@@ -1,5 +1,4 @@
-import { watch } from '../../api/events';
-import { hasEnded, tookS, type Fault, type Job } from '../../api/types';
+import { hasEnded, tookS, watch, type Fault, type Job } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
@@ -76,7 +75,8 @@ export async function follow<T>(
   faults: HTMLElement,
 ): Promise<void> {
   try {
-    await watch<T>(api, `${path}/events`, { signal, onData: update, isLast: (resource) => hasEnded(jobOf(resource)) });
+    const isLast = (resource: T): boolean => hasEnded(jobOf(resource));
+    for await (const resource of watch<T>(api, `${path}/events`, { signal, isLast })) update(resource);
   } catch (error) {
     if (!signal.aborted) faults.replaceChildren(problemBox(error));
   }

@@ -1,6 +1,6 @@
+import type { Worker } from '@bendtwin/client';
 import { expect, test } from 'vitest';
 
-import type { Worker } from '../../api/types';
 import { ANY_WORKER, satisfies, wanted } from './requirements';
 
 const GPU = { backend: 'cuda', memory_total_bytes: 80e9, labels: ['gpu=h100', 'lab=2'] } as unknown as Worker;

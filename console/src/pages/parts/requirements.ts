@@ -1,4 +1,4 @@
-import type { Fit, Worker } from '../../api/types';
+import type { Fit, Worker } from '@bendtwin/client';
 import { size } from '../../ui/format';
 
 /** Requirements of a fit on its worker. */

@@ -1,10 +1,10 @@
+import { idOf } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { confirm, type Question } from '../../ui/dialog';
 import { h, type Child } from '../../ui/dom';
 import { field } from '../../ui/form';
 import { counted } from '../../ui/format';
 import { textOf } from '../../ui/problem';
-import { idOf } from '../../api/routes';
 import { readTags } from './tags';
 import './selection.css';
 

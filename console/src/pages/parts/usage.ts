@@ -1,5 +1,4 @@
-import type { OwnerUsage } from '../../api/types';
-import { Problem } from '../../api/client';
+import { Problem, type OwnerUsage } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { progress } from '../../ui/form';

@@ -1,4 +1,4 @@
-import { Problem } from '../../api/client';
+import { Problem } from '@bendtwin/client';
 import { allowDownload, mayDownload } from '../../api/visit';
 import type { OpenPage, Page, PageContext } from '../../page';
 import { PlayPage } from '../../play/play_page';

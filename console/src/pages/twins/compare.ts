@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import type { Twin } from '../../api/types';
+import { idOf, type Twin } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { empty } from '../../ui/empty';

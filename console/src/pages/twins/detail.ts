@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import type { Capture, Twin } from '../../api/types';
+import { idOf, type Capture, type Twin } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import type { TwinShape } from '../../view3d/shape';
 import { h } from '../../ui/dom';

@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import type { Evaluation, Twin } from '../../api/types';
+import { idOf, type Evaluation, type Twin } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';

@@ -1,5 +1,5 @@
+import { openTwinFile } from '@bendtwin/client';
 import type { Api } from '../../api/client';
-import { openTwinFile } from '../../api/twin_file';
 
 /** Parts of a twin's file (docs/formats/twin.md), read without loading all of it. */
 export interface TwinFile {

@@ -1,5 +1,4 @@
-import { idOf } from '../../api/routes';
-import type { Twin } from '../../api/types';
+import { idOf, type Twin } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h, type Child } from '../../ui/dom';
 import { empty, lesson } from '../../ui/empty';

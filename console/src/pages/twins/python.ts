@@ -1,4 +1,4 @@
-import type { Twin } from '../../api/types';
+import type { Twin } from '@bendtwin/client';
 import { snippet } from '../../ui/copy';
 import { showDialog } from '../../ui/dialog';
 import { h } from '../../ui/dom';

@@ -1,6 +1,5 @@
-import { idOf } from '../../api/routes';
+import { idOf, type Share, type Twin } from '@bendtwin/client';
 import { ownToken } from '../../api/token';
-import type { Share, Twin } from '../../api/types';
 import { visitAddress } from '../../api/visit';
 import type { PageContext } from '../../page';
 import { confirm } from '../../ui/dialog';

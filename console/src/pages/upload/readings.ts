@@ -1,5 +1,4 @@
-import { Problem } from '../../api/problem';
-import { hasEnded, type Capture } from '../../api/types';
+import { hasEnded, Problem, type Capture } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { refresh } from '../../ui/refresh';
 import type { Report } from '../captures/report/report';

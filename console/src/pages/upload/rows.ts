@@ -1,4 +1,4 @@
-import { idOf } from '../../api/routes';
+import { idOf } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h, nodes } from '../../ui/dom';

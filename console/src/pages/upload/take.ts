@@ -1,6 +1,5 @@
+import { idOf, type Twin } from '@bendtwin/client';
 import type { Api } from '../../api/client';
-import type { Twin } from '../../api/types';
-import { idOf } from '../../api/routes';
 import { textOf } from '../../ui/problem';
 import { Intake, type Offer } from './intake';
 import { nameOf, type Package } from './select';

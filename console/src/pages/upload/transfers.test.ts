@@ -1,7 +1,7 @@
+import { Problem } from '@bendtwin/client';
 import { beforeEach, expect, test, vi } from 'vitest';
 
 import type { Api } from '../../api/client';
-import { Problem } from '../../api/problem';
 import { fingerprint, fingerprintOf } from './fingerprint';
 import { kept } from './kept';
 import type { Package } from './select';

@@ -1,5 +1,5 @@
+import type { Capture } from '@bendtwin/client';
 import type { Api } from '../../api/client';
-import type { Capture } from '../../api/types';
 import { fingerprint, fingerprintOf } from './fingerprint';
 import { forget, keep, kept, type Kept, type Labels } from './kept';
 import type { Package } from './select';

@@ -1,8 +1,7 @@
+import { Problem, ServerLost } from '@bendtwin/client';
 import { describe, expect, test, vi } from 'vitest';
 
 import type { Api } from '../../api/client';
-import { ServerLost } from '../../api/connection';
-import { Problem } from '../../api/problem';
 import { FilesChanged, nextPart, send } from './tus';
 
 /** A server of one upload, which fails where the test says. */

@@ -1,7 +1,5 @@
-import { pauseMs, sleep } from '../../api/backoff';
+import { pauseMs, Problem, ServerLost, sleep } from '@bendtwin/client';
 import type { Api } from '../../api/client';
-import { ServerLost } from '../../api/connection';
-import { Problem } from '../../api/problem';
 
 /** Bytes per request, at first and at most. */
 const FIRST_BYTES = 2 ** 20;

@@ -1,5 +1,5 @@
+import type { Collider } from '@bendtwin/client';
 import { Vector3 } from 'three';
-import type { Collider } from '../../api/types';
 import { h } from '../../ui/dom';
 import type { Panel, Playing } from '../playing';
 import { button, panel } from './parts';

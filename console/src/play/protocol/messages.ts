@@ -1,4 +1,4 @@
-import type { World } from '../../api/types';
+import type { World } from '@bendtwin/client';
 
 /** Factors of a twin's own parameters. */
 export type Factors = Partial<Record<'stiffness' | 'damping' | 'bending' | 'friction' | 'mass', number>>;

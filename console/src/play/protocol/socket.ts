@@ -1,4 +1,4 @@
-import { pauseMs, sleep } from '../../api/backoff';
+import { pauseMs, sleep } from '@bendtwin/client';
 import { token } from '../../api/token';
 import type { Message, ProblemText, Text } from './messages';
 import { decodeState, type PlayState } from './state';

@@ -1,5 +1,4 @@
-import { base64, bytesOfBase64, packed } from '../../view3d/tensor';
-import type { World } from '../../api/types';
+import { base64, bytesOfBase64, packed, type World } from '@bendtwin/client';
 import type { Factors } from '../protocol/messages';
 
 /** A moment of a play that another play can begin with. */

@@ -1,5 +1,5 @@
+import { base64, packed } from '@bendtwin/client';
 import { expect, it } from 'vitest';
-import { base64, packed } from '../../view3d/tensor';
 import { csvOf } from './recording';
 
 it('lists places and holds of grippers, segment by segment', () => {

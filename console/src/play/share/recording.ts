@@ -1,4 +1,4 @@
-import { floats, indices, type PackedTensor } from '../../view3d/tensor';
+import { floats, indices, type PackedTensor } from '@bendtwin/client';
 
 /** Fields of a recording that a table of it needs: docs/formats/play.md, Recordings. */
 export interface RecordingDocument {

@@ -1,6 +1,6 @@
+import { packed } from '@bendtwin/client';
 import { describe, expect, it } from 'vitest';
 import { predictorText, type Score } from '../../pages/twins/quality';
-import { packed } from '../../view3d/tensor';
 import { Prediction } from '../prediction';
 import { Errors } from './errors';
 

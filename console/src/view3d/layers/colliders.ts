@@ -1,6 +1,6 @@
+import type { Collider } from '@bendtwin/client';
 import { BoxGeometry, CapsuleGeometry, Group, Mesh, MeshLambertMaterial, SphereGeometry, Vector3 } from 'three';
 import type { BufferGeometry } from 'three';
-import type { Collider } from '../../api/types';
 import type { Layer } from '../stage';
 
 /** Obstacles: spheres, capsules and boxes. Convex meshes are described in words only. */

@@ -1,7 +1,6 @@
+import { base64, type TwinSurface } from '@bendtwin/client';
 import { describe, expect, it } from 'vitest';
-import type { TwinSurface } from '../../api/types';
 import { NO_FRAME } from '../skin';
-import { base64 } from '../tensor';
 import { SurfaceMesh } from './mesh';
 import { readSurface } from './surface';
 

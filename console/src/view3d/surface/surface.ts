@@ -1,7 +1,7 @@
-import { Problem, type Api } from '../../api/client';
-import type { TwinSurface } from '../../api/types';
+import { bytes, floats, indices, Problem, type TwinSurface } from '@bendtwin/client';
+import { type Api } from '../../api/client';
 import { readSkin, pointCount, type Skin } from '../skin';
-import { bytes, floats, indices, ofLength, within } from '../tensor';
+import { ofLength, within } from '../tensor';
 import type { Tube } from './tubes';
 
 /** The surface that people see of a twin: V vertices that nodes carry, F triangles, and tubes along nodes. */

@@ -56,7 +56,7 @@ fn is_generated(name: &str) -> bool {
         "client/python/src/bendtwin/aio/twin.py",
         "console/built/",
         "console/screenshots/",
-        "console/src/api/schema.ts",
+        "client/typescript/src/schema.ts",
         "console/package-lock.json",
     ];
     parts.iter().any(|part| name.starts_with(part)) || name.ends_with("Cargo.lock")
@@ -70,7 +70,9 @@ fn walk(path: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(path).into_iter().flatten() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let ours = !name.starts_with('.')
+        // A link leads to a file that is found where it is.
+        let ours = !path.is_symlink()
+            && !name.starts_with('.')
             && !name.ends_with(".egg-info")
             && !["target", "node_modules", "__pycache__", "dist"].contains(&name.as_str());
         if ours {

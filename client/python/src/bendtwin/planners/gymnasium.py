@@ -74,8 +74,9 @@ class TwinVectorEnv(VectorEnv):
             raise ValueError("episodes begin again with NEXT_STEP or SAME_STEP")
         if task.ensemble is not None:
             raise ValueError("an environment is one object: vary the task by environment instead")
-        self.metadata = {"autoreset_mode": autoreset_mode}
-        self.task, self.num_envs = task, num_envs
+        self.metadata: dict[str, Any] = {"autoreset_mode": autoreset_mode}
+        self.task: Task = task
+        self.num_envs: int = num_envs
         self._is_same_step = autoreset_mode is AutoresetMode.SAME_STEP
         self._nodes = np.asarray(nodes)
         self._start = _start(task, num_envs)
@@ -83,10 +84,14 @@ class TwinVectorEnv(VectorEnv):
         self._success = success
         largest = np.broadcast_to(np.asarray(largest_step, np.float32), (task.dims,))
         size = 6 * len(self._nodes) + task.dims
-        self.single_action_space = spaces.Box(-largest, largest, dtype=np.float32)
-        self.single_observation_space = spaces.Box(-np.inf, np.inf, (size,), dtype=np.float32)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.single_action_space: spaces.Box = spaces.Box(-largest, largest, dtype=np.float32)
+        self.single_observation_space: spaces.Box = spaces.Box(
+            -np.inf, np.inf, (size,), dtype=np.float32
+        )
+        self.action_space: spaces.Space[Any] = batch_space(self.single_action_space, num_envs)
+        self.observation_space: spaces.Space[Any] = batch_space(
+            self.single_observation_space, num_envs
+        )
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

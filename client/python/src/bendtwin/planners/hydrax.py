@@ -49,7 +49,8 @@ class TwinTask(HydraxTask):
             fastest: Limits of the velocities: a number or [D], metres or radians per second.
             nodes: Nodes whose ways are traced.
         """
-        self.task, self.nodes = task, list(nodes)
+        self.task: Task = task
+        self.nodes: list[int] = list(nodes)
         #: Where the object is; None is the task's own state.
         self.initial: InitialState | None = None
         xml = model_xml(task.dims, task.frame_s, fastest, self.nodes)

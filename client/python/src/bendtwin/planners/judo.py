@@ -55,15 +55,17 @@ class TwinTask(JudoTask[TwinTaskConfig]):
             nodes: Nodes that are observed, and whose ways judo draws.
         """
         # What the base class does would look for its own models on the network.
-        self.task, self.nodes = task, list(nodes)
+        self.task: Task = task
+        self.nodes: list[int] = list(nodes)
         #: Where the object is; None is the task's own state.
         self.initial: InitialState | None = None
-        self.config = TwinTaskConfig()
+        self.config: TwinTaskConfig = TwinTaskConfig()
         xml = model_xml(task.dims, task.frame_s, fastest, self.nodes, has_sensors=True)
-        self.spec = mujoco.MjSpec.from_string(xml)
-        self.model = self.sim_model = self.spec.compile()
-        self.data = mujoco.MjData(self.model)
-        self.model_path = ""
+        self.spec: mujoco.MjSpec = mujoco.MjSpec.from_string(xml)
+        self.model: mujoco.MjModel = self.spec.compile()
+        self.sim_model: mujoco.MjModel = self.model
+        self.data: mujoco.MjData = mujoco.MjData(self.model)
+        self.model_path: str = ""
 
     def state(self, coordinates: npt.ArrayLike) -> Array:
         """The controller's state [2 D] where the coordinates are these."""
@@ -86,7 +88,8 @@ class TwinBackend(RolloutBackend):
 
     def __init__(self, task: TwinTask, num_threads: int) -> None:
         """`num_threads` is what judo calls the number of samples."""
-        self.task, self.num_threads = task, num_threads
+        self.task: TwinTask = task
+        self.num_threads: int = num_threads
 
     def rollout(
         self, x0: npt.NDArray[Any], controls: npt.NDArray[Any], last_policy_output: Any = None

@@ -95,7 +95,9 @@ class Cem(_Sampling):
         super().__init__(problem, **settings)
         if elites < 1 or not 0.0 <= memory < 1.0 or smallest < 0.0:
             raise ValueError("give one elite or more, and a memory of 0 or more and less than 1")
-        self.elites, self.memory, self.smallest = elites, memory, smallest
+        self.elites: int = elites
+        self.memory: float = memory
+        self.smallest: float = smallest
 
     def _learn(
         self, candidates: Array, evaluation: Evaluation, best: Array, best_cost: float
@@ -149,7 +151,7 @@ class GradientDescent(Planner):
             settings: Those of `Planner`.
         """
         super().__init__(problem, samples=samples, iterations=iterations, **settings)
-        self.rate = np.broadcast_to(np.asarray(rate, dtype=np.float64), (problem.dims,))
+        self.rate: Array = np.broadcast_to(np.asarray(rate, dtype=np.float64), (problem.dims,))
 
     def _begin(self, nominal: Array) -> None:
         others = self.sigma * self._noise(self.samples - 1)

@@ -32,7 +32,9 @@ class OnServer:
             raise ValueError("a planner needs two knots or more")
         if not hasattr(task.space, "to_proto"):
             raise TypeError("the server does not know this action space: plan with Mppi, say")
-        self.task, self.knots, self.search = task, knots, search
+        self.task: Task = task
+        self.knots: int = knots
+        self.search: Search = search
         #: Frames that were executed since the start, or since `reset`.
         self._frame = 0.0
         #: The plan that the next call begins with.

@@ -83,11 +83,15 @@ class Planner(ABC):
             raise ValueError("a planner needs two knots, one sample and one iteration, or more")
         if not 0.0 <= correlation < 1.0:
             raise ValueError("the correlation must be 0 or more, and less than 1")
-        self.problem = problem
-        self.knots, self.samples, self.iterations = knots, samples, iterations
-        self.sigma = deviations(sigma, knots, problem.dims)
-        self.correlation, self.bounds, self.deadline_s = correlation, bounds, deadline_s
-        self.finest = self._finest if finest is None else finest
+        self.problem: Problem = problem
+        self.knots: int = knots
+        self.samples: int = samples
+        self.iterations: int = iterations
+        self.sigma: Array = deviations(sigma, knots, problem.dims)
+        self.correlation: float = correlation
+        self.bounds: Bounds = bounds
+        self.deadline_s: float | None = deadline_s
+        self.finest: float = self._finest if finest is None else finest
         if not 0.0 < self.finest <= 1.0:
             raise ValueError("finest must be above 0, and 1 or less")
         self._random = np.random.default_rng(seed)

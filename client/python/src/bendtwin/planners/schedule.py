@@ -28,7 +28,8 @@ class Schedule:
         since: npt.ArrayLike = 0.0,
     ) -> None:
         """The horizon begins `since` frames after the first row, [] or [B]; last rows hold on."""
-        self._world, self._grasps, self.frames = world, grasps, frames
+        self._world, self._grasps = world, grasps
+        self.frames: int = frames
         times = np.asarray(since, dtype=np.float64)[..., None] + np.arange(frames + 1)
         self._times = np.floor(times).astype(np.int64)
         #: Whether a grasp is closed at each frame boundary, [F + 1] or [B, F + 1], by its number.

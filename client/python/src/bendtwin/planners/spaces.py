@@ -39,7 +39,7 @@ class _Trajectories:
     """Spaces in which control points follow the coordinates linearly."""
 
     start: Array
-    _coordinates: ClassVar[planning_pb2.ActionSpace.Coordinates]
+    _coordinates: ClassVar[planning_pb2.ActionSpace.Coordinates.ValueType]
 
     @property
     def dims(self) -> int:
@@ -66,7 +66,7 @@ class Together(_Trajectories):
 
     def __init__(self, start: npt.ArrayLike) -> None:
         """`start`: control points [C, 3] in metres."""
-        self.start = _points(start)
+        self.start: Array = _points(start)
 
     @property
     def dims(self) -> int:
@@ -88,9 +88,11 @@ class PerHand(_Trajectories):
 
     def __init__(self, start: npt.ArrayLike, hand_of_control: npt.ArrayLike) -> None:
         """`start`: control points [C, 3] in metres; `hand_of_control`: the hand of each, [C]."""
-        self.start = _points(start)
-        self.hand_of_control = _owners("hand_of_control", hand_of_control, len(self.start))
-        self.hands = int(self.hand_of_control.max()) + 1
+        self.start: Array = _points(start)
+        self.hand_of_control: npt.NDArray[np.int64] = _owners(
+            "hand_of_control", hand_of_control, len(self.start)
+        )
+        self.hands: int = int(self.hand_of_control.max()) + 1
 
     @property
     def dims(self) -> int:
@@ -122,7 +124,7 @@ class Points(_Trajectories):
 
     def __init__(self, start: npt.ArrayLike) -> None:
         """`start`: control points [C, 3] in metres."""
-        self.start = _points(start)
+        self.start: Array = _points(start)
 
     @property
     def dims(self) -> int:

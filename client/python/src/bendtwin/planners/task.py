@@ -43,9 +43,13 @@ class Evaluation:
 class Problem(Protocol):
     """The cost of knots; `Task` is one that asks a twin."""
 
-    #: Horizon [frames].
-    frames: int
-    interpolation: Interpolation
+    @property
+    def frames(self) -> int:
+        """Horizon [frames]."""
+
+    @property
+    def interpolation(self) -> Interpolation:
+        """How positions between knots are made."""
 
     @property
     def dims(self) -> int:

@@ -20,7 +20,7 @@ __all__ = [
     "knot_times",
 ]
 
-_INTERPOLATIONS: dict[str, rollout_pb2.Interpolation] = {
+_INTERPOLATIONS: dict[str, rollout_pb2.Interpolation.ValueType] = {
     "linear": rollout_pb2.LINEAR,
     "cubic": rollout_pb2.CUBIC,
     "zero": rollout_pb2.ZERO,

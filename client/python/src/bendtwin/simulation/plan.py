@@ -18,7 +18,7 @@ Method = Literal["mppi", "cem", "predictive_sampling", "gradient"]
 Coordinates = Literal["together", "points", "translation", "rigid"]
 Origin = Literal["nominal", "mean", "sample"]
 
-_COORDINATES: dict[str, planning_pb2.ActionSpace.Coordinates] = {
+_COORDINATES: dict[str, planning_pb2.ActionSpace.Coordinates.ValueType] = {
     "together": planning_pb2.ActionSpace.TOGETHER,
     "points": planning_pb2.ActionSpace.POINTS,
     "translation": planning_pb2.ActionSpace.TRANSLATION,

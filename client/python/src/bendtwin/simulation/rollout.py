@@ -20,13 +20,13 @@ Fidelity = Literal["exact", "fast", "planner"]
 FloatArray = npt.NDArray[np.floating[Any]]
 IndexArray = npt.NDArray[np.uint32]
 
-_ENCODINGS: dict[str, rollout_pb2.Returns.Encoding] = {
+_ENCODINGS: dict[str, rollout_pb2.Returns.Encoding.ValueType] = {
     "float32": rollout_pb2.Returns.FLOAT32,
     "int16": rollout_pb2.Returns.INT16,
 }
 
 
-FIDELITIES: dict[str, rollout_pb2.Fidelity] = {
+FIDELITIES: dict[str, rollout_pb2.Fidelity.ValueType] = {
     "exact": rollout_pb2.EXACT,
     "fast": rollout_pb2.FAST,
     "planner": rollout_pb2.PLANNER,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -89,23 +90,24 @@ class Grasping:
 @dataclass(frozen=True)
 class State:
     """A state of the twin, for all instances or with [B] in front, as `RolloutResult.state` returns
-    it. A rollout that starts from the final state of another one continues it exactly.
+    it. A rollout that starts from the final state of another one continues it exactly. Lists of
+    numbers may be given in place of arrays.
     """
 
     #: Metres, [N, 3].
-    positions: npt.ArrayLike
+    positions: npt.NDArray[Any]
     #: Metres per second, [N, 3]; None means at rest.
-    velocities: npt.ArrayLike | None = None
+    velocities: npt.NDArray[Any] | None = None
     #: Radians, [rods]; None means that no rod is twisted.
-    twists: npt.ArrayLike | None = None
+    twists: npt.NDArray[Any] | None = None
     #: Positions of the control points, metres, [C, 3]. None: pinned ones at their nodes, others at
     #: rest, from where `poses` would carry them; so give them with `poses`.
-    controls: npt.ArrayLike | None = None
+    controls: npt.NDArray[Any] | None = None
     #: Held nodes; None: only those that grasps take at the start of the rollout.
     grasping: Grasping | None = None
     #: Control points as commanded, without the stop at the ground, metres, [C, 3]: `poses` carry
     #: them from there. None: equal to `controls`.
-    commanded_controls: npt.ArrayLike | None = None
+    commanded_controls: npt.NDArray[Any] | None = None
 
     def to_proto(self) -> rollout_pb2.InitialState:
         """Makes the wire form."""
@@ -169,7 +171,7 @@ InitialState = Rest | Settled | CaptureFrame | State | SessionSlots
 def state_of(states: State, row: int) -> State:
     """A single state of a batch of states."""
 
-    def pick(array: npt.ArrayLike | None) -> npt.ArrayLike | None:
+    def pick(array: npt.NDArray[Any] | None) -> npt.NDArray[Any] | None:
         return None if array is None else np.asarray(array)[row]
 
     return State(

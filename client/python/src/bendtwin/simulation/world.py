@@ -18,13 +18,13 @@ from bendtwin.v1 import rollout_pb2, tensor_pb2, world_pb2
 
 Statistic = Literal["mean", "worst", "cvar", "mean_prediction"]
 
-_STATISTICS: dict[str, rollout_pb2.Ensemble.Statistic] = {
+_STATISTICS: dict[str, rollout_pb2.Ensemble.Statistic.ValueType] = {
     "mean": rollout_pb2.Ensemble.MEAN,
     "worst": rollout_pb2.Ensemble.WORST,
     "cvar": rollout_pb2.Ensemble.CVAR,
     "mean_prediction": rollout_pb2.Ensemble.MEAN_PREDICTION,
 }
-_ATTACHMENTS: dict[str, world_pb2.Grasp.Attachment] = {
+_ATTACHMENTS: dict[str, world_pb2.Grasp.Attachment.ValueType] = {
     "pin": world_pb2.Grasp.PIN,
     "springs": world_pb2.Grasp.SPRINGS,
 }

@@ -1,4 +1,4 @@
-import type { Capture } from '../../../api/types';
+import type { Capture } from '@bendtwin/client';
 import type { PageContext } from '../../../page';
 import { h, nodes, type Child } from '../../../ui/dom';
 import { facts, field } from '../../../ui/form';

@@ -1,4 +1,4 @@
-import type { Capture, Supplement } from '../../../api/types';
+import type { Capture, Supplement } from '@bendtwin/client';
 import type { PageContext } from '../../../page';
 import { confirm } from '../../../ui/dialog';
 import { h } from '../../../ui/dom';

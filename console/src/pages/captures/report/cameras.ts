@@ -1,4 +1,4 @@
-import { Problem } from '../../../api/problem';
+import { Problem } from '@bendtwin/client';
 import type { PageContext } from '../../../page';
 import { Images } from '../../../playback/camera/images';
 import { PlaybackFile } from '../../../playback/file/file';

@@ -1,4 +1,4 @@
-import { tookS, type Capture } from '../../../api/types';
+import { tookS, type Capture } from '@bendtwin/client';
 import { h, type Child } from '../../../ui/dom';
 import { facts } from '../../../ui/form';
 import { count, counted, duration, millimetres, percent, size, time } from '../../../ui/format';

@@ -1,6 +1,4 @@
-import { Problem } from '../../../api/problem';
-import { idOf } from '../../../api/routes';
-import { hasEnded, type Fit } from '../../../api/types';
+import { hasEnded, idOf, Problem, type Fit } from '@bendtwin/client';
 import type { PageContext } from '../../../page';
 import { h } from '../../../ui/dom';
 import { drawsInSoftware } from '../../../view3d/renderer_kind';

@@ -1,7 +1,6 @@
+import { base64, type FitPreview } from '@bendtwin/client';
 import { expect, test } from 'vitest';
 
-import type { FitPreview } from '../../../api/types';
-import { base64 } from '../../../view3d/tensor';
 import { errorWords, pointsOf, previewWords, readPreview } from './preview';
 
 const bytes = (values: Int16Array | Uint32Array): string => base64(new Uint8Array(values.buffer));

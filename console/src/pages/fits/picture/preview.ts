@@ -1,6 +1,5 @@
-import type { FitPreview } from '../../../api/types';
+import { floats, indices, type FitPreview } from '@bendtwin/client';
 import { millimetres } from '../../../ui/format';
-import { floats, indices } from '../../../view3d/tensor';
 
 /** What a fit has so far: P predicted points in F frames of a sequence. */
 export interface Preview {
