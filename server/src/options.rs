@@ -1,6 +1,7 @@
 //! Options of a server. Every field has a default, unknown fields are refused, and
 //! [`Options::validate`] reports all faults together.
 
+mod public;
 mod queue;
 mod retention;
 mod sign_in;
@@ -12,7 +13,7 @@ use bendtwin_contract::rollout;
 use bendtwin_store::{DatabaseUrl, NewRule, ObjectsUrl, Quotas};
 use serde::{Deserialize, Serialize};
 
-use crate::listen::Timeouts;
+use crate::{access::client_token, listen::Timeouts};
 pub use queue::Queue;
 pub use retention::RetentionRule;
 pub use sign_in::SignIn;
@@ -29,8 +30,11 @@ const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Address for HTTP and gRPC; port 0 takes a free one. One that is not loopback takes `tls`,
-    /// `tls_terminated_by_proxy` or `insecure`.
+    /// `tls_terminated_by_proxy`, `published_locally` or `insecure`.
     pub listen: SocketAddr,
+    /// Address at which clients reach the server, without a path, where it differs from `listen`;
+    /// without one it is that of `sign_in`.
+    pub public_url: Option<String>,
     /// Address for workers alone, with `/healthz`, `/readyz` and `/metrics`; port 0 takes a free
     /// one. The server's own workers use it, so that clients cannot take their connections.
     pub worker_listen: SocketAddr,
@@ -52,6 +56,10 @@ pub struct Options {
     /// True if a proxy in front has the TLS, so that the server may listen on an address that is
     /// not loopback.
     pub tls_terminated_by_proxy: bool,
+    /// True if the address is that of a container, whose port is published to the machine that it
+    /// runs on and to no other. Without effect where one of the settings above, or `insecure`, says
+    /// what protects the address.
+    pub published_locally: bool,
     /// True if the server may listen on an address that is not loopback without TLS, and without a
     /// token: everyone on the way reads and changes what passes.
     pub insecure: bool,
@@ -213,6 +221,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             listen: SocketAddr::from(([127, 0, 0, 1], 7070)),
+            public_url: None,
             worker_listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             allowed_hosts: Vec::new(),
             client_token: ClientTokenPolicy::Required,
@@ -221,6 +230,7 @@ impl Default for Options {
             worker_tls: None,
             sign_in: None,
             tls_terminated_by_proxy: false,
+            published_locally: false,
             insecure: false,
             data_dir: PathBuf::from("bendtwin-data"),
             database_url: None,
@@ -385,6 +395,7 @@ impl Options {
             ));
         }
         faults.extend(self.openness());
+        faults.extend(self.public_url_faults());
         faults.extend(self.sign_in_faults());
         if let Some(url) = &self.database_url
             && let Err(fault) = DatabaseUrl::parse(url.reveal())
@@ -411,6 +422,12 @@ impl Options {
     pub(crate) fn memory_bytes(&self) -> u64 {
         let chosen = self.memory_mib.map(|mib| mib.saturating_mul(MIB));
         chosen.unwrap_or_else(|| (machine_bytes() / 8).clamp(128 * MIB, 2048 * MIB))
+    }
+
+    /// File of the token of clients: the one that the options name, or that of the data folder.
+    pub fn client_token_path(&self) -> PathBuf {
+        let own = || client_token::path(&self.data_dir);
+        self.client_token_file.clone().unwrap_or_else(own)
     }
 
     pub(crate) fn lease(&self) -> Duration {

@@ -225,6 +225,8 @@ fn warn_of_openness(options: &Options, address: SocketAddr, worker_address: Sock
     for address in open.filter(|a| !with_tls(a)) {
         if options.insecure {
             tracing::warn!(%address, "insecure: there is no TLS, and everyone on the way can read");
+        } else if options.is_published_locally() {
+            tracing::info!(%address, "the port is trusted to be published to this machine alone");
         } else {
             tracing::warn!(%address, "a proxy is trusted to have the TLS in front of this address");
         }
@@ -259,10 +261,8 @@ fn load_token(options: &Options) -> Result<String, StartError> {
         return client_token::read(path)
             .map_err(|fault| StartError::NoClientToken { path: path.clone(), fault });
     }
-    client_token::load(&options.data_dir).map_err(|source| StartError::ClientToken {
-        path: client_token::path(&options.data_dir),
-        source,
-    })
+    client_token::load(&options.data_dir)
+        .map_err(|source| StartError::ClientToken { path: options.client_token_path(), source })
 }
 
 impl Handle {

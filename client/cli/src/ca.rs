@@ -327,7 +327,7 @@ fn line(certificate: &Certificate, now: Timestamp) -> String {
     let days = certificate.not_after.duration_since(now).as_hours() / 24;
     let (begin, end) = (certificate.not_before, certificate.not_after);
     match certificate.validity(now) {
-        Validity::Valid => format!("{what}: until {end:.0} ({days} days)"),
+        Validity::Valid | Validity::Soon => format!("{what}: until {end:.0} ({days} days)"),
         Validity::Expired => format!("{what}: EXPIRED at {end:.0}"),
         Validity::NotYet => format!("{what}: NOT VALID before {begin:.0}"),
     }

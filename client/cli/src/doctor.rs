@@ -1,37 +1,45 @@
 //! `bendtwin doctor`: what this machine, the data folder and the server have, and what is amiss.
 //! It changes nothing, and works with or without a server.
 
+mod certificate;
 mod check;
 mod folder;
 mod machine;
 mod network;
 
-use std::{net::SocketAddr, path::PathBuf};
+use std::path::PathBuf;
 
 use bendtwin_core::{Category, Fault};
 use bendtwin_server::Options;
 use clap::Args;
 
 use self::check::{Check, State};
-use crate::{failure::Failed, global::Global, output};
+use crate::{failure::Failed, global::Global, output, server::Server};
 
+/// Its options are those of the server on this machine, from the same variables and the same file.
 #[derive(Debug, Args)]
 pub(crate) struct Doctor {
-    /// Data folder of the server [default: bendtwin-data]
-    #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
-    data_dir: Option<PathBuf>,
-    /// Address on which the server listens, or will listen [default: 127.0.0.1:7070]
-    #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
-    listen: Option<SocketAddr>,
+    /// Certificate of a worker on this machine
+    #[arg(long, env = "BENDTWIN_WORKER_CERTIFICATE", value_name = "FILE")]
+    worker_certificate: Option<PathBuf>,
+    #[command(flatten)]
+    server: Box<Server>,
 }
 
 pub(crate) async fn run(args: Doctor, global: &Global) -> anyhow::Result<()> {
-    let defaults = Options::default();
-    let folder = args.data_dir.unwrap_or(defaults.data_dir);
     let mut checks = tokio::task::spawn_blocking(machine::checks).await?;
-    checks.push(folder::check(&folder, defaults.disk_floor_mib).await);
-    checks.push(network::address(args.listen.unwrap_or(defaults.listen)).await);
-    checks.extend(network::server(global).await);
+    let options = match args.server.options() {
+        Ok(options) => options,
+        Err(error) => {
+            checks.push(Check::problem("options", format!("{error:#}")));
+            args.server.put_place(Options::default())
+        }
+    };
+    checks.push(folder::check(&options.data_dir, options.disk_floor_mib).await);
+    checks.push(network::address(options.listen).await);
+    let further: Vec<_> = args.worker_certificate.iter().chain(&global.ca).collect();
+    checks.extend(certificate::checks(&options, &further));
+    checks.extend(network::server(global, &options).await);
     output::print(global, &checks, || text(&checks))?;
     let problems = checks.iter().filter(|check| check.state == State::Problem).count();
     if problems == 0 {

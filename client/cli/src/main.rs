@@ -56,6 +56,9 @@ fn main() -> ExitCode {
         Err(error) => return failure::report(&error.into(), arguments.global.json),
     };
     let traces = start_logging(&arguments, service, &runtime);
+    if service.is_some() {
+        process::raise_descriptor_limit();
+    }
     let json = arguments.global.json;
     let result = runtime.block_on(run(arguments));
     if let Some(traces) = traces {

@@ -7,7 +7,8 @@ pub(crate) fn keep_files_private() {
     rustix::process::umask(rustix::fs::Mode::from_raw_mode(0o077));
 }
 
-/// Lets the process open as many files as the system allows: every connection is one.
+/// Lets the process, and the workers that it starts, open as many files as the system allows: every connection is
+/// one.
 pub(crate) fn raise_descriptor_limit() {
     match rlimit::increase_nofile_limit(rlimit::INFINITY) {
         Ok(limit) => tracing::debug!(limit, "limit of open files"),

@@ -32,6 +32,11 @@ pub(crate) struct Server {
     /// Address for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
     #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
     listen: Option<std::net::SocketAddr>,
+    /// Address at which clients reach the server, where it differs: behind a proxy, or at the
+    /// published port of a container; it is printed at start [default: the address that it listens
+    /// on]
+    #[arg(long, env = "BENDTWIN_PUBLIC_URL", value_name = "URL")]
+    public_url: Option<String>,
     /// Name by which clients may call the server, in addition to localhost and addresses; * allows
     /// all
     #[arg(
@@ -115,6 +120,17 @@ pub(crate) struct Server {
         default_missing_value = "true"
     )]
     tls_terminated_by_proxy: Option<bool>,
+    /// Listen on an address that is not loopback, in a container whose port is published to this
+    /// machine alone: no TLS, a token, and a link that logs in among the output [default: false]
+    #[arg(
+        long,
+        env = "BENDTWIN_PUBLISHED_LOCALLY",
+        value_name = "true|false",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "true"
+    )]
+    published_locally: Option<bool>,
     /// Listen on an address that is not loopback without TLS, and with --client-token none
     /// [default: false]
     #[arg(
@@ -205,16 +221,17 @@ pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Res
     let of_logs = logging.environment().into_iter();
     options.workers.environment = of_logs.map(|(name, value)| (name.to_owned(), value)).collect();
     let scheme = if options.tls.is_some() { "https" } else { "http" };
+    let public_url = options.public_url().map(str::to_owned);
+    let is_published_locally = options.is_published_locally();
     let workers = options.workers.count;
     let data_dir = options.data_dir.display().to_string();
-    crate::process::raise_descriptor_limit();
     let handle = Service::start(options).await.map_err(failure::failed)?;
     let address = handle.local_addr();
     let client_token = handle.client_token().map(str::to_owned);
     match &client_token {
         Some(shown) => {
             if let Err(error) = token::publish(address.port(), shown) {
-                tracing::warn!(%error, "cannot leave the token for local clients, which need it now");
+                tell_unpublished(&error);
             }
         }
         None => token::withdraw_any(address.port()),
@@ -222,9 +239,12 @@ pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Res
     if let Some(path) = &args.port_file {
         write_port(path, address.port())?;
     }
+    let url = public_url.unwrap_or_else(|| format!("{scheme}://{}", local(address)));
+    // The output of a container goes to its log, which only those can read who can read its volumes.
+    let is_private = is_published_locally || std::io::stdout().is_terminal();
     output::line(&format!(
-        "BendTwin answers HTTP and gRPC at {scheme}://{address} ({workers} workers, data in {data_dir}; console at {scheme}://{address}, API at {scheme}://{address}/docs). {}",
-        console_hint(&format!("{scheme}://{}", local(address)), client_token.as_deref())
+        "BendTwin answers HTTP and gRPC at {url} ({workers} workers, data in {data_dir}; API at {url}/docs). {}",
+        console_hint(&url, client_token.as_deref(), is_private)
     ))?;
     if let Some(address) = handle.worker_tls_addr() {
         output::line(&format!("Workers on other hosts reach it at https://{address}"))?;
@@ -237,12 +257,20 @@ pub(crate) async fn run(args: Server, logging: &logging::Options) -> anyhow::Res
     Ok(())
 }
 
-/// Where to look first. A token is shown to a person at a terminal, not to a log.
-fn console_hint(url: &str, token: Option<&str>) -> String {
+/// Says why commands on this machine do not find the token. In a container whose files are read-only that is as
+/// it was arranged.
+fn tell_unpublished(error: &std::io::Error) {
+    if error.kind() == std::io::ErrorKind::ReadOnlyFilesystem {
+        tracing::info!("commands on this machine need --token-file: the home folder is read-only");
+    } else {
+        tracing::warn!(%error, "cannot leave the token for local clients, which need it now");
+    }
+}
+
+/// Where to look first. A token is shown only where the output is private, not in every log.
+fn console_hint(url: &str, token: Option<&str>, is_private: bool) -> String {
     match token {
-        Some(_) if !std::io::stdout().is_terminal() => {
-            "`bendtwin console` opens the console, logged in".to_owned()
-        }
+        Some(_) if !is_private => "`bendtwin console` opens the console, logged in".to_owned(),
         token => format!("Open the console: {}", login_address(url, "/", token)),
     }
 }

@@ -8,7 +8,8 @@ use x509_parser::{
     certificate::X509Certificate, extensions::GeneralName, prelude::FromDer as _, x509::X509Name,
 };
 
-/// Time before the end of a certificate from which the log warns.
+/// Time before the end of a certificate from which everyone warns, at most a third of the time for which it is
+/// valid.
 const SOON: SignedDuration = SignedDuration::from_hours(14 * 24);
 
 /// Facts that a certificate states.
@@ -37,6 +38,8 @@ pub enum Validity {
     NotYet,
     /// Valid.
     Valid,
+    /// Valid, but its end is near: its files should have been replaced.
+    Soon,
     /// No longer valid.
     Expired,
 }
@@ -64,12 +67,19 @@ impl Certificate {
         self.hosts.first().unwrap_or(&self.common_name)
     }
 
+    /// Time before its end from which everyone warns.
+    fn soon(&self) -> SignedDuration {
+        SOON.min(self.not_after.duration_since(self.not_before) / 3)
+    }
+
     /// State at a time.
     pub fn validity(&self, now: Timestamp) -> Validity {
         if now < self.not_before {
             Validity::NotYet
         } else if now > self.not_after {
             Validity::Expired
+        } else if self.not_after.duration_since(now) < self.soon() {
+            Validity::Soon
         } else {
             Validity::Valid
         }
@@ -83,8 +93,7 @@ pub fn tell(shown_by: &'static str, certificate: Option<&Certificate>) {
         return;
     };
     let (hosts, end) = (certificate.hosts.join(", "), certificate.not_after);
-    let now = Timestamp::now();
-    match certificate.validity(now) {
+    match certificate.validity(Timestamp::now()) {
         Validity::Expired => {
             tracing::error!(shown_by, hosts, %end, "the certificate has expired: replace its files");
         }
@@ -92,7 +101,7 @@ pub fn tell(shown_by: &'static str, certificate: Option<&Certificate>) {
             tracing::error!(shown_by, hosts, begin = %certificate.not_before,
                 "the certificate does not hold yet: is the clock of this machine right?");
         }
-        Validity::Valid if end.duration_since(now) < SOON => {
+        Validity::Soon => {
             tracing::warn!(shown_by, hosts, %end, "the certificate ends soon: replace its files");
         }
         Validity::Valid => tracing::info!(shown_by, hosts, %end, "certificate"),

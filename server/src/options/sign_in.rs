@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, path::PathBuf, time::Duration};
 use serde::{Deserialize, Serialize};
 use url::{Host, Url};
 
-use super::{ClientTokenPolicy, DefaultQuotas, Options};
+use super::{ClientTokenPolicy, DefaultQuotas, Options, public::host_not_allowed};
 use crate::{
     access::{Grant, Scope},
     http::origin::Hosts,
@@ -195,10 +195,7 @@ impl Options {
         if let Some(host) = public.as_ref().and_then(Url::host_str)
             && !Hosts::new(&self.allowed_hosts).allows(host)
         {
-            faults.push(format!(
-                "sign_in.public_url has the host {host}, which is not among allowed_hosts, so the server \
-                 would refuse browsers that come back: add it (--allowed-host {host})"
-            ));
+            faults.push(host_not_allowed("sign_in.public_url", host));
         }
         if self.client_token == ClientTokenPolicy::None {
             faults

@@ -57,7 +57,8 @@ impl Options {
             if address.ip().is_loopback() || self.insecure {
                 continue;
             }
-            if !has_tls(name) && !self.tls_terminated_by_proxy {
+            let is_published_locally = name == "listen" && self.published_locally;
+            if !has_tls(name) && !self.tls_terminated_by_proxy && !is_published_locally {
                 faults.push(without_tls(name, address));
             }
             if name == "listen" && self.client_token == ClientTokenPolicy::None {
@@ -81,7 +82,11 @@ impl Options {
 
 fn without_tls(name: &str, address: SocketAddr) -> String {
     let own = match name {
-        "listen" => "give a certificate and its key (--tls-certificate, --tls-key)",
+        "listen" => {
+            "give a certificate and its key (--tls-certificate, --tls-key), or set \
+             published_locally (--published-locally) in a container whose port is published to this \
+             machine alone"
+        }
         _ => "give workers on other hosts a separate listener (worker_tls)",
     };
     format!(

@@ -36,6 +36,8 @@ pub fn isolated(program: impl AsRef<OsStr>) -> Command {
         "BENDTWIN_CLIENT_TOKEN",
         "BENDTWIN_ALLOWED_HOSTS",
         "BENDTWIN_INSECURE",
+        "BENDTWIN_PUBLISHED_LOCALLY",
+        "BENDTWIN_PUBLIC_URL",
         "BENDTWIN_TLS_TERMINATED_BY_PROXY",
     ] {
         command.env_remove(variable);

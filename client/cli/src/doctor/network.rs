@@ -1,9 +1,13 @@
 //! The address of a server, and the server that answers at the address of the client.
 
-use std::{io::ErrorKind, net::SocketAddr};
+use std::{
+    io::ErrorKind,
+    net::{IpAddr, SocketAddr},
+};
 
-use bendtwin_client::{Category, Client, Readiness, Worker};
+use bendtwin_client::{Category, Client, Readiness, Worker, token};
 use bendtwin_core::BUILD;
+use bendtwin_server::Options;
 use tokio::net::TcpListener;
 
 use super::check::Check;
@@ -39,10 +43,36 @@ async fn readiness(listen: SocketAddr) -> Result<Readiness, bendtwin_client::Err
     Client::connect(&url).await?.readiness().await
 }
 
+/// Connects to the server that commands talk to. Where nothing else says what to show to a server with these
+/// options on this machine, the token in its file.
+async fn connect(global: &Global, options: &Options) -> anyhow::Result<Client> {
+    let client = global.connect().await?;
+    if global.token()?.is_some() || !is_own(client.url(), options.listen) {
+        return Ok(client);
+    }
+    match token::read(&options.client_token_path()) {
+        Ok(token) => {
+            Ok(Client::connect_with(client.url(), Some(&token), global.ca.as_deref()).await?)
+        }
+        Err(_) => Ok(client),
+    }
+}
+
+/// True for the URL of a server on this machine, at the port of this address: no other one may get its token.
+fn is_own(url: &str, listen: SocketAddr) -> bool {
+    let authority = url.split_once("://").map(|(_, rest)| rest.trim_end_matches('/'));
+    let Some((host, port)) = authority.and_then(|authority| authority.rsplit_once(':')) else {
+        return false;
+    };
+    let ip = host.trim_matches(['[', ']']).parse::<IpAddr>();
+    port.parse() == Ok(listen.port())
+        && (host == "localhost" || ip.is_ok_and(|ip| ip.is_loopback()))
+}
+
 /// Checks of the server that commands talk to; one note if none answers.
-pub(super) async fn server(global: &Global) -> Vec<Check> {
+pub(super) async fn server(global: &Global, options: &Options) -> Vec<Check> {
     const NAME: &str = "server";
-    let client = match global.connect().await {
+    let client = match connect(global, options).await {
         Ok(client) => client,
         Err(error) => return vec![Check::note(NAME, format!("{error:#}"))],
     };
@@ -97,6 +127,24 @@ mod tests {
         assert_eq!(check.state, State::Problem);
         assert!(check.message.contains("another program"), "{}", check.message);
         assert_eq!(address("127.0.0.1:0".parse().unwrap()).await.state, State::Ok);
+    }
+
+    #[test]
+    fn the_token_of_a_server_goes_to_no_other() {
+        let listen = "0.0.0.0:7070".parse().unwrap();
+        for own in ["http://127.0.0.1:7070", "https://localhost:7070/", "http://[::1]:7070"] {
+            assert!(is_own(own, listen), "{own}");
+        }
+        for other in [
+            "http://127.0.0.1:7071",
+            "http://10.0.0.4:7070",
+            "https://twin.example:7070",
+            "http://localhost.example:7070",
+            "http://127.0.0.1@twin.example:7070",
+            "127.0.0.1:7070",
+        ] {
+            assert!(!is_own(other, listen), "{other}");
+        }
     }
 
     #[test]

@@ -37,6 +37,15 @@ impl Server {
         Ok(options)
     }
 
+    /// Puts the address and the folder that are given into options, where not all that is given can be used.
+    pub(crate) fn put_place(&self, options: Options) -> Options {
+        Options {
+            listen: self.listen.unwrap_or(options.listen),
+            data_dir: self.data_dir.clone().unwrap_or(options.data_dir),
+            ..options
+        }
+    }
+
     /// Refuses paths that a table of options cannot hold.
     fn check_paths(&self) -> anyhow::Result<()> {
         let paths = [

@@ -65,6 +65,13 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     let doctor = doctor.env("XDG_STATE_HOME", path("nothing")).output().unwrap();
     let found = String::from_utf8_lossy(&doctor.stdout).into_owned();
     assert!(!doctor.status.success() && found.contains("PROBLEM  token"), "{found}");
+    // With the folder of a server on this machine it finds the token by itself.
+    let mut doctor = bendtwin();
+    let (address, data) = (format!("127.0.0.1:{port}"), path("data"));
+    doctor.args(["doctor", "--server", &address, "--listen", &address, "--data-dir"]).arg(data);
+    let doctor = doctor.env("XDG_STATE_HOME", path("nothing")).output().unwrap();
+    let found = String::from_utf8_lossy(&doctor.stdout).into_owned();
+    assert!(!found.contains("PROBLEM  token"), "{found}");
     let file = path("data/client-token");
     let token = std::fs::read_to_string(&file).unwrap().trim().to_owned();
     assert!(
@@ -97,4 +104,32 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     assert!(end.args(["-TERM", &server.id().to_string()]).status().unwrap().success());
     until("the end of the server", START, async || server.try_wait().unwrap()).await;
     assert!(!left.exists(), "the token of a server that has ended is left");
+}
+
+/// As in the image of the container, whose output is no terminal.
+#[tokio::test]
+async fn a_server_that_is_published_locally_prints_a_link_that_logs_in() {
+    let folder = tempfile::Builder::new().prefix("bendtwin-e2e-").tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let processes = Processes::new(folder.path());
+    let mut command = bendtwin();
+    command
+        .args(["server", "--listen", "0.0.0.0:0", "--published-locally", "--workers", "0"])
+        .args(["--public-url", "http://127.0.0.1:8080/", "--port-file"])
+        .args([path("port").as_os_str(), "--data-dir".as_ref(), path("data").as_os_str()])
+        .env("XDG_STATE_HOME", path("state"));
+    let _server = processes.start(&mut command, &path("log"));
+    let log = until("the link", START, async || {
+        std::fs::read_to_string(path("log")).ok().filter(|log| log.contains("/#/?token="))
+    })
+    .await;
+    let (_, link) = log.split_once("Open the console: ").unwrap();
+    let token = link.trim().strip_prefix("http://127.0.0.1:8080/#/?token=").unwrap();
+    assert!(!log.contains("WARN"), "{log}");
+    let port = std::fs::read_to_string(path("port")).unwrap();
+    let mut list = bendtwin();
+    list.args(["twin", "list", "--server", &format!("http://127.0.0.1:{}", port.trim())]);
+    list.env("XDG_STATE_HOME", path("nothing"));
+    assert!(!list.output().unwrap().status.success());
+    assert!(list.env("BENDTWIN_TOKEN", token.lines().next().unwrap()).status().unwrap().success());
 }
