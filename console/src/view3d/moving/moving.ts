@@ -1,4 +1,4 @@
-import type { Stage } from '../../../view3d/stage';
+import type { Stage } from '../stage';
 
 /** A picture in three dimensions that moves by itself until it is paused. */
 export interface Moving {
