@@ -104,22 +104,18 @@ describe('fits and twins', () => {
   });
 
   it('can be cancelled, also while they wait', async () => {
-    const [first, second] = await Promise.all(
-      ['long', 'waiting'].map((display_name) =>
-        call<{ name: string }>(server, 'POST', '/v1/fits', {
-          capture,
-          display_name,
-          settings: { refine: { passes: 100_000 } },
-        }),
-      ),
-    );
+    const queued = (display_name: string): Promise<{ name: string }> =>
+      call(server, 'POST', '/v1/fits', { capture, display_name, settings: { refine: { passes: 100_000 } } });
+    // One after the other, for the one that comes first runs.
+    const first = await queued('long');
+    const second = await queued('waiting');
     const running = async (): Promise<boolean> =>
-      (await call<{ job: { state: string } }>(server, 'GET', `/v1/${first?.name ?? ''}`)).job.state === 'RUNNING';
+      (await call<{ job: { state: string } }>(server, 'GET', `/v1/${first.name}`)).job.state === 'RUNNING';
     await until(running);
-    const visit = await Visit.open(browser, server, { at: `/${second?.name ?? ''}` });
+    const visit = await Visit.open(browser, server, { at: `/${second.name}` });
     const { page } = visit;
     await page.getByText('Waits its turn: the only one is busy.').waitFor();
-    const watched = await Visit.open(browser, server, { at: `/${first?.name ?? ''}` });
+    const watched = await Visit.open(browser, server, { at: `/${first.name}` });
     await watched.page.getByText(/^Now [\d.]+ mm/).waitFor();
     await visit.stop('fit-queued');
     await visit.go('/fits');
