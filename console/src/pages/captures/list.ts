@@ -6,14 +6,14 @@ import { cli, empty } from '../../ui/empty';
 import { count, counted, name, size, time } from '../../ui/format';
 import { list, totalOf, type ListPage, type PageQuery } from '../../ui/list';
 import { refresh } from '../../ui/refresh';
-import { placeholder, thumbnail } from '../../ui/thumbnail';
 import { ERROR_HELP, errorCell } from '../parts/error';
 import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
 import { MultiSelection } from '../parts/selection';
 import { deleteQuestion } from './dependents';
 import { Fits, type Best } from './fits';
-import { STATES, mayHavePicture, stateBadge, stateOf, whyNoFit } from './state';
+import { capturePicture } from './picture';
+import { STATES, stateBadge, stateOf, whyNoFit } from './state';
 import './named.css';
 
 /** Interval at which captures that are being read are refreshed [ms]. */
@@ -106,10 +106,9 @@ async function loadPage(
   return { rows, next_page_token: page_token, remark: isWhole ? undefined : remark };
 }
 
-function nameCell({ api, signal }: PageContext, selection: MultiSelection, capture: Capture): HTMLElement {
-  const picture = mayHavePicture(capture) ? thumbnail(api, `/v1/${capture.name}/thumbnail`, '', signal) : placeholder();
+function nameCell(context: PageContext, selection: MultiSelection, capture: Capture): HTMLElement {
   const link = h('a', { href: `#/captures/${idOf(capture.name)}` }, name(capture.display_name));
-  return h('span', { class: 'capture-name' }, selection.box(capture), picture, link);
+  return h('span', { class: 'capture-name' }, selection.box(capture), capturePicture(context, capture), link);
 }
 
 function bestError(best: Best | null | undefined): Child {
