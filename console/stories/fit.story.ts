@@ -3,6 +3,7 @@ import { join } from 'node:path';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { call, folder, makeCapture, sendCapture, until } from './kit/made';
 import { pictureOf, type Picture } from './kit/pixels';
+import { COARSE } from './kit/rope';
 import { browser, server, withServer } from './kit/server';
 import { Visit } from './kit/visit';
 
@@ -47,6 +48,10 @@ describe('fits and twins', () => {
     await visit.stop('fit-wrong-settings');
     await page.getByLabel('Setting 1, value').fill('6');
     await page.getByLabel('Setting 2, name').fill('refine.passes');
+    // With few nodes a pass takes a moment.
+    await page.getByRole('button', { name: 'Add a setting' }).click();
+    await page.getByLabel('Setting 3, name').fill('graph.max_nodes');
+    await page.getByLabel('Setting 3, value').fill('30');
     await page.getByRole('button', { name: 'Start the fit' }).click();
     // The server looks at ranges once all types are right.
     await page.getByText('it must lie in 1..=1000000').waitFor();
@@ -55,7 +60,7 @@ describe('fits and twins', () => {
     await visit.heading('two starts');
     await page.getByRole('heading', { name: 'Losses' }).waitFor();
     // What it has so far: the prediction over the recording, and millimetres.
-    await page.getByText(/^Now [\d.]+ mm \(\w+\), standing still [\d.]+ mm\./).waitFor();
+    await page.getByText(/^Now [\d.]+ mm \(\w+\) on the frames that it is being fitted to, standing still [\d.]+ mm\./).waitFor();
     await page.getByRole('button', { name: 'Pause' }).click();
     const [recorded, predicted] = inColours(await pictureOf(page));
     expect(recorded, 'recorded points').toBeGreaterThan(50);
@@ -63,7 +68,8 @@ describe('fits and twins', () => {
     await page.getByRole('heading', { name: 'Error over training frames' }).waitFor();
     await visit.stop('fit-running');
     await page.getByRole('link', { name: 'Play with the twin' }).waitFor({ timeout: 600_000 });
-    await page.getByText('On frames that it never saw').waitFor();
+    await page.getByText(/^Off by [\d.]+ mm \(\w+\) on frames that it never saw\./).waitFor();
+    await page.getByRole('link', { name: 'Why this verdict' }).waitFor();
     await page.getByText(/^[\d.]+ mm \(\w+\) on frames that it was not fitted to\./).waitFor();
     await page.getByRole('img', { name: 'The twin' }).waitFor();
     const ofLosses = page.locator('section', { has: page.getByRole('heading', { name: 'Losses' }) });
@@ -79,7 +85,7 @@ describe('fits and twins', () => {
   });
 
   it('go on being watched after the server was killed', async () => {
-    const settings = { effort: 'draft', refine: { passes: 120 } };
+    const settings = { effort: 'draft', graph: { max_nodes: 20 }, refine: { passes: 120 } };
     const body = { capture, display_name: 'interrupted', settings };
     const { name } = await call<{ name: string }>(server, 'POST', '/v1/fits', body);
     const visit = await Visit.open(browser, server, { at: `/${name}` });
@@ -98,28 +104,36 @@ describe('fits and twins', () => {
   });
 
   it('can be cancelled, also while they wait', async () => {
-    const [first, second] = await Promise.all(
-      ['long', 'waiting'].map((display_name) =>
-        call<{ name: string }>(server, 'POST', '/v1/fits', {
-          capture,
-          display_name,
-          settings: { refine: { passes: 100_000 } },
-        }),
-      ),
-    );
+    const queued = (display_name: string): Promise<{ name: string }> =>
+      call(server, 'POST', '/v1/fits', { capture, display_name, settings: { refine: { passes: 100_000 } } });
+    // One after the other, for the one that comes first runs.
+    const first = await queued('long');
+    const second = await queued('waiting');
     const running = async (): Promise<boolean> =>
-      (await call<{ job: { state: string } }>(server, 'GET', `/v1/${first?.name ?? ''}`)).job.state === 'RUNNING';
+      (await call<{ job: { state: string } }>(server, 'GET', `/v1/${first.name}`)).job.state === 'RUNNING';
     await until(running);
-    const visit = await Visit.open(browser, server, { at: `/${second?.name ?? ''}` });
+    const visit = await Visit.open(browser, server, { at: `/${second.name}` });
     const { page } = visit;
     await page.getByText('Waits its turn: the only one is busy.').waitFor();
+    const watched = await Visit.open(browser, server, { at: `/${first.name}` });
+    await watched.page.getByText(/^Now [\d.]+ mm/).waitFor();
     await visit.stop('fit-queued');
     await visit.go('/fits');
     for (const name of ['long', 'waiting']) await page.getByRole('checkbox', { name: `Select ${name}` }).check();
     await page.getByText('2 fits selected').waitFor();
     await visit.stop('fits-selected');
+    // It asks, as before something is deleted.
+    const question = page.getByRole('dialog', { name: 'Cancel 2 fits?' });
     await page.getByRole('button', { name: 'Cancel' }).click();
+    await question.getByRole('button', { name: 'Keep them' }).click();
+    await question.waitFor({ state: 'detached' });
+    expect(await running()).toBe(true);
+    await page.getByRole('button', { name: 'Cancel' }).click();
+    await visit.stop('fits-cancel');
+    await question.getByRole('button', { name: 'Cancel the fits' }).click();
     await expect.poll(() => page.getByRole('row').getByText('cancelled').count()).toBe(2);
+    await watched.page.getByText(/^When it ended [\d.]+ mm \(\w+\) on the frames that it was being fitted to/).waitFor();
+    await watched.close();
     await page.getByRole('checkbox', { name: 'Select waiting' }).uncheck();
     await page.getByRole('button', { name: 'Delete' }).click();
     await page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
@@ -130,12 +144,14 @@ describe('fits and twins', () => {
     await page.getByRole('dialog').getByRole('button', { name: 'Delete' }).click();
     await visit.heading('Fits');
     await page.getByText(/^\d+ fits?$/).waitFor();
+    await page.getByLabel('State').selectOption('succeeded');
+    await page.getByText(/^\d+ fits? with state “\u2068succeeded\u2069”$/).waitFor();
     await visit.stop('fits');
     await visit.close();
   });
 
   it('are compared, twins as well as fits', async () => {
-    const settings = { effort: 'draft', seed: 1, search: { generations: 2 }, refine: { passes: 4 } };
+    const settings = { effort: 'draft', ...COARSE, seed: 1, search: { sigma: 0.123456, generations: 2, starts: 1 } };
     await call(server, 'POST', '/v1/fits', { capture, display_name: 'two starts', settings });
     const twins = async (): Promise<{ name: string }[]> =>
       (await call<{ twins: { name: string }[] }>(server, 'GET', '/v1/twins')).twins;
@@ -149,6 +165,9 @@ describe('fits and twins', () => {
     await visit.heading('Compare twins');
     await page.getByText(/two starts \(\d\)\u2069 is better|No difference between/).waitFor();
     await page.getByRole('rowheader', { name: 'effort' }).waitFor();
+    // Numbers have three digits.
+    await page.getByRole('row', { name: 'search.sigma' }).getByText('0.123', { exact: true }).waitFor();
+    await page.getByRole('row', { name: 'search.sigma' }).getByText('0.167', { exact: true }).waitFor();
     expect(await page.locator('.best').count()).toBeGreaterThan(0);
     await visit.stop('twins-compared');
     await visit.go('/fits');
@@ -207,7 +226,11 @@ async function looked(visit: Visit): Promise<void> {
   await page.locator('.verdict').getByText(/^Off by [\d.]+ mm \(tracks\) on frames/).waitFor();
   const why = page.getByRole('region', { name: 'Why this verdict' });
   await why.getByRole('row', { name: /^Size of the object [\d.]+ mm/ }).waitFor();
+  await why.getByText(/^What makes it (fair|poor): /).waitFor();
+  await why.getByRole('button', { name: 'Explain: Error as a share of it' }).click();
+  await why.getByText('divided by the number of this row').waitFor();
   await visit.stop('twin');
+  await page.keyboard.press('Escape');
   const button = page.getByRole('button', { name: 'Export' });
   await button.click();
   const glb = page.getByRole('link', { name: 'GLB' });
@@ -219,6 +242,7 @@ async function looked(visit: Visit): Promise<void> {
   await glb.waitFor({ state: 'hidden' });
   expect(await button.evaluate((own) => own === document.activeElement)).toBe(true);
   await page.getByRole('button', { name: 'Use in Python' }).click();
+  await page.getByRole('dialog').getByText('pip install bendtwin', { exact: true }).waitFor();
   await page.getByRole('dialog').getByText('twin = client.twin("twins/').waitFor();
   await visit.stop('twin-python');
   await page.getByRole('button', { name: 'Close' }).click();

@@ -5,24 +5,20 @@ import { Server } from '../scripts/server.mjs';
 import type { Api } from '../src/api/client';
 import { loadAppearance } from '../src/view3d/appearance';
 import { lift } from './kit/drag';
-import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { folder, makeCapture, sendCapture } from './kit/made';
 import { changed, distance, mean, meanRow, settled, type Colour, type Picture } from './kit/pixels';
+import { COARSE, twinOf } from './kit/rope';
 import { browser, server, withServer } from './kit/server';
 import { Visit } from './kit/visit';
 
 /** Settings with which a fit with Gaussians takes seconds, and their number grows once. */
-const QUICK = { search: { generations: 1 }, refine: { passes: 1 }, appearance: { gaussians: 3000, steps: 300 } };
+const SPLATS = { ...COARSE, appearance: { gaussians: 3000, steps: 300 } };
 /** Least number of pixels that a twin covers. */
 const COVERED = 5000;
 /** Distance from what is behind at which a pixel belongs to the twin: at outlines both are blended. */
 const OPAQUE = 60;
 /** Largest distance of mean colours that are alike. */
 const ALIKE = 45;
-
-interface Fit {
-  readonly name: string;
-  readonly twin: string | null;
-}
 
 describe('the look of a twin', () => {
   withServer();
@@ -32,10 +28,7 @@ describe('the look of a twin', () => {
   let own: Colour;
   beforeAll(async () => {
     capture = await sendCapture(server, makeCapture(join(folder(), 'toy.zip'), 'toy', '--raw'), 'a toy');
-    const fit = await call<Fit>(server, 'POST', '/v1/fits', { capture, settings: QUICK });
-    const fitted = async (): Promise<string | null> => (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin;
-    await until(async () => (await fitted()) !== null);
-    twin = (await fitted())!.replace('twins/', '');
+    twin = await twinOf(server, capture, 'a toy', SPLATS);
     own = await colourOf(server, twin);
   });
 

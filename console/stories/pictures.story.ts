@@ -29,7 +29,7 @@ describe('pictures of the documents', () => {
   withServer();
 
   it('show a rope that is lifted, bent and dropped', async () => {
-    const { twin } = await fitted(server, 'blue rope', ['rope']);
+    const { twin } = await fitted(server, 'blue rope', ['rope'], { search: { generations: 1 }, refine: { passes: 1 } });
     const visit = await Visit.open(browser, server, { viewport: { width: 1040, height: 640 } });
     const { page } = visit;
     const seen = seenStates(page);
@@ -63,7 +63,7 @@ describe('pictures of the documents', () => {
   });
 
   it('show a foam bar with its prediction, and the error of every frame', async () => {
-    const { capture, twin } = await fitted(server, 'foam bar', ['bar', '--raw'], ['effort=draft', 'seed=1']);
+    const { capture, twin } = await fitted(server, 'foam bar', ['bar', '--raw'], { effort: 'draft', seed: 1 });
     const at = `/captures/${capture}/playback?twin=${twin}&frame=${FRAME}`;
     const visit = await Visit.open(browser, server, { at, viewport: { width: 1200, height: 700 } });
     const { page } = visit;

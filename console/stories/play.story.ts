@@ -5,7 +5,7 @@ import { beforeAll, describe, expect, it } from 'vitest';
 import type { Api } from '../src/api/client';
 import { lift, middle } from './kit/drag';
 import { changed, distance, mean, settled, type Colour } from './kit/pixels';
-import { fittedRope } from './kit/rope';
+import { QUICK, fittedRope } from './kit/rope';
 import { browser, server, withServer } from './kit/server';
 import { Visit, type VisitOptions } from './kit/visit';
 
@@ -13,7 +13,7 @@ describe('the playground', () => {
   withServer();
   let twin: string;
   beforeAll(async () => {
-    twin = await fittedRope(server, 'blue rope');
+    twin = await fittedRope(server, 'blue rope', QUICK);
   });
 
   async function play(options: VisitOptions = {}): Promise<Visit> {

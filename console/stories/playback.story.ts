@@ -3,17 +3,10 @@ import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { Server } from '../scripts/server.mjs';
-import { call, folder, makeCapture, sendCapture, until } from './kit/made';
+import { folder, makeCapture, makeTwo, sendCapture } from './kit/made';
+import { COARSE, twinOf } from './kit/rope';
 import { browser, server, withServer } from './kit/server';
 import { Visit } from './kit/visit';
-
-/** Settings with which a fit takes seconds. */
-const QUICK = { search: { generations: 1 }, refine: { passes: 1 } };
-
-interface Fit {
-  readonly name: string;
-  readonly twin: string | null;
-}
 
 describe('the playback', () => {
   withServer();
@@ -23,9 +16,7 @@ describe('the playback', () => {
     const made = makeCapture(join(folder(), 'toy.zip'), 'toy', '--raw');
     const name = await sendCapture(server, made, 'a toy');
     capture = name.replace('captures/', '');
-    const fit = await call<Fit>(server, 'POST', '/v1/fits', { capture: name, settings: QUICK });
-    await until(async () => (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin !== null);
-    twin = (await call<Fit>(server, 'GET', `/v1/${fit.name}`)).twin!.replace('twins/', '');
+    twin = await twinOf(server, name, 'a toy', COARSE);
   });
 
   const time = (page: Page): Promise<string> => page.locator('.playback-time').innerText();
@@ -110,6 +101,27 @@ describe('the playback', () => {
     await page.locator('.axis-errors').waitFor({ state: 'detached' });
     await page.getByText('Speed:').waitFor();
     expect(await twins.inputValue()).toBe('none');
+    await visit.close();
+  });
+
+  it('of several recordings leads to the worst frame of all', async () => {
+    const several = await sendCapture(server, await makeTwo(folder()), 'two takes');
+    await twinOf(server, several, 'of two', COARSE);
+    const visit = await Visit.open(browser, server, { at: `/${several}/playback`, viewport: { width: 1440, height: 900 } });
+    const { page } = visit;
+    const legend = page.locator('.axis-legend');
+    const errors: number[] = [];
+    const worst = page.getByRole('button', { name: /^Worst frame of this sequence/ });
+    for (const index of [0, 1]) {
+      await visit.go(`/${several}/playback?sequence=${index}`);
+      await page.reload();
+      errors.push(Number(/([\d.]+) mm/.exec(await worst.innerText())?.[1]));
+    }
+    const largest = errors[0]! > errors[1]! ? 0 : 1;
+    await page.getByRole('button', { name: 'Worst frame of all 2 sequences' }).click();
+    await expect.poll(() => legend.innerText()).toContain(`Tracks ${errors[largest]} mm`);
+    expect(await page.getByRole('combobox', { name: 'Sequence' }).inputValue()).toBe(String(largest));
+    await visit.stop('playback-worst');
     await visit.close();
   });
 

@@ -60,8 +60,16 @@ describe('the list of twins', () => {
     await withTwins(page);
     await page.reload();
     await page.getByLabel('Verdict').selectOption('fair');
-    await page.getByText('333 twins').waitFor();
+    await page.getByText('333 twins with verdict “\u2068fair\u2069”').waitFor();
     expect(new URL(page.url()).hash).toContain('level=fair');
+    // The mark of the order moves no header.
+    const sort = page.getByRole('button', { name: 'Name', exact: true });
+    const header = page.getByRole('columnheader', { name: 'Error' });
+    const places = () => Promise.all([sort.boundingBox(), header.boundingBox()]);
+    const before = await places();
+    await sort.click();
+    await page.locator('th[aria-sort=ascending]').waitFor();
+    expect(await places()).toEqual(before);
     const bar = page.getByRole('region', { name: 'Selection' });
     for (const name of ['twin 1', 'twin 4']) await page.getByRole('checkbox', { name: `Select ${name}`, exact: true }).check();
     await bar.getByText('2 twins selected').waitFor();

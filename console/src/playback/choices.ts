@@ -1,7 +1,9 @@
 import { idOf, type Twin } from '@bendtwin/client';
 import type { PageContext } from '../page';
 import { h } from '../ui/dom';
-import { millimetres, moment } from '../ui/format';
+import type { Quality } from '../pages/twins/quality';
+import { errorText } from '../pages/twins/verdict/reasons';
+import { moment } from '../ui/format';
 import type { Head } from './file/head';
 
 /** Twins to choose from. */
@@ -23,13 +25,16 @@ export function choice(
   return h('label', { class: 'playback-choice' }, h('span', {}, label), select);
 }
 
+/** The name of a sequence: that of its recording, and its own. */
+export function sequenceText({ sequences }: Head, index: number): string {
+  const { recording_name: recording = '', name = '' } = sequences[index] ?? {};
+  return (recording === name || name === '' ? recording : `${recording}, ${name}`) || 'without a name';
+}
+
 /** Sequences to choose from; nothing where there is one. */
 export function sequenceChoice(head: Head, chosen: number, changed: (index: number) => void): HTMLElement | null {
   if (head.sequences.length < 2) return null;
-  const options = head.sequences.map(({ recording_name: recording, name }, index) => {
-    const text = recording === name || name === '' ? recording : `${recording}, ${name}`;
-    return [String(index), `${index + 1}: ${text || 'without a name'}`] as const;
-  });
+  const options = head.sequences.map((_, index) => [String(index), `${index + 1}: ${sequenceText(head, index)}`] as const);
   return choice('Sequence', options, String(chosen), (value) => changed(Number(value)));
 }
 
@@ -50,8 +55,8 @@ export function firstTwin(asked: string | null, twins: readonly Pick<Twin, 'name
 
 /** Twins to choose from, and one more that the address names. */
 export function twinChoice(twins: readonly Twin[], chosen: string, changed: (id: string) => void): HTMLElement {
-  const known = twins.map(({ name, display_name, create_time, error_m }) => {
-    const error = error_m === null ? '' : `, ${millimetres(error_m)}`;
+  const known = twins.map(({ name, display_name, create_time, error_m, quality }) => {
+    const error = error_m === null ? '' : `, ${errorText(quality as Quality)}`;
     return [idOf(name), `${display_name || 'without a name'}, ${moment(create_time)}${error}`] as const;
   });
   const isKnown = chosen === '' || chosen === NO_TWIN || known.some(([id]) => id === chosen);

@@ -29,6 +29,7 @@ import { Scene } from './scene';
 import { terms } from './terms';
 import { Transport } from './transport';
 import { worstButtons } from './worst';
+import { note, worstOfAllButton } from './worst_of_all';
 
 /** Time after the last change after which the address names the moment [ms]. */
 const ADDRESS_MS = 300;
@@ -182,10 +183,7 @@ export class PlaybackPage {
       const errors = (this.#errors = new Errors(prediction, sequence.frame_count));
       this.#transport.trainFrameCount = prediction.trainFrameCount;
       this.#axis.setErrors(errors, prediction.trainFrameCount);
-      this.#worst.replaceChildren(...worstButtons(errors, sequence.fps, (frame) => {
-        this.#clock.pause();
-        this.#clock.seek(frame);
-      }));
+      this.#offerWorst(twin, errors);
       this.#say(...prediction.warnings);
       this.element.classList.add('playback-predicted');
       this.#showLayers();
@@ -196,6 +194,25 @@ export class PlaybackPage {
       if (isAsked) this.#fail(error);
       else if (!signal.aborted) this.#say(`There is no prediction: ${error instanceof Error ? error.message : String(error)}`);
     }
+  }
+
+  /** Buttons that lead to the worst frames, of this sequence and of all. */
+  #offerWorst(twin: string, errors: Errors): void {
+    const { context, id, file, index, sequence } = this.opened;
+    const { head, tag: version } = file;
+    const show = (frame: number): void => {
+      this.#clock.pause();
+      this.#clock.seek(frame);
+    };
+    const isOne = head.sequences.length > 1;
+    this.#worst.replaceChildren(...worstButtons(errors, sequence.fps, isOne, show));
+    const predicted = { context, capture: id, twin, version, head };
+    note(predicted, index, errors);
+    if (!isOne || errors.main === null) return;
+    this.#worst.append(worstOfAllButton(predicted, errors.main.of, (text) => this.#say(text), (found) => {
+      if (found.sequence === index) show(found.frame);
+      else this.#go({ twin, sequence: String(found.sequence), frame: String(found.frame) });
+    }));
   }
 
   #showLayers(): void {

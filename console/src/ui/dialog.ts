@@ -6,6 +6,8 @@ export interface Question {
   readonly text: Child;
   /** Word of the button that agrees, as `Delete`. */
   readonly action: string;
+  /** Word of the button that declines; default: `Cancel`. */
+  readonly decline?: string;
   /** True if it cannot be undone. */
   readonly isDangerous?: boolean;
 }
@@ -32,7 +34,7 @@ function open(dialog: HTMLDialogElement): void {
 }
 
 /** Asks before something is done; false if it was declined, also by Escape. */
-export function confirm({ title, text, action, isDangerous = false }: Question): Promise<boolean> {
+export function confirm({ title, text, action, decline = 'Cancel', isDangerous = false }: Question): Promise<boolean> {
   return new Promise((resolve) => {
     let agreed = false;
     const end = (agrees: boolean) => (): void => {
@@ -47,7 +49,7 @@ export function confirm({ title, text, action, isDangerous = false }: Question):
       h(
         'div',
         { class: 'buttons' },
-        h('button', { type: 'button', autofocus: true, onclick: end(false) }, 'Cancel'),
+        h('button', { type: 'button', autofocus: true, onclick: end(false) }, decline),
         h('button', { type: 'button', class: isDangerous ? 'danger' : 'primary', onclick: end(true) }, action),
       ),
     );

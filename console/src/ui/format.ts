@@ -39,6 +39,11 @@ export function millimetres(metres: number | null | undefined): string {
   return `${Math.abs(value) >= 100 ? value.toFixed(0) : Number(value.toPrecision(3))} mm`;
 }
 
+/** A number with three digits or as many as are wanted, as 0.123; a whole number with all of its digits. */
+export function significant(value: number, digits = 3): string {
+  return String(Number.isInteger(value) ? value : Number(value.toPrecision(digits)));
+}
+
 /** A share, 0..=1, in per cent. */
 export function percent(share: number): string {
   return `${Math.round(share * 100)} %`;

@@ -18,6 +18,8 @@ export interface ListPage<Row> {
   readonly rows: readonly Row[];
   readonly next_page_token: string;
   readonly total_size?: number | undefined;
+  /** What is to be known about the rows, in place of their number. */
+  readonly remark?: string | undefined;
 }
 
 /** The number of all entries that a reply of a list states; undefined if it states none. */
@@ -33,6 +35,8 @@ export interface ListOptions<Row> {
   readonly load: (query: PageQuery) => Promise<ListPage<Row>>;
   /** What a row is, as `capture`: the number of all rows is then shown, if it is known. */
   readonly noun?: string;
+  /** What the rows have in common, behind their number, as ` with state “failed”`. */
+  readonly filtered?: () => string;
   /** Shown in the place of a table without rows. */
   readonly empty: () => Child;
 }
@@ -71,7 +75,7 @@ export function list<Row>(context: PageContext, options: ListOptions<Row>): List
     tokens = next;
     return reload();
   };
-  const show = ({ rows, next_page_token: next, total_size }: ListPage<Row>): void => {
+  const show = ({ rows, next_page_token: next, total_size, remark }: ListPage<Row>): void => {
     if (rows.length === 0 && tokens.length === 1) {
       content.replaceChildren(h('div', {}, options.empty()));
       return;
@@ -86,9 +90,11 @@ export function list<Row>(context: PageContext, options: ListOptions<Row>): List
     };
     // Without a further page all rows are here.
     const total = total_size ?? (next === '' && tokens.length === 1 ? rows.length : undefined);
+    const number = options.noun === undefined || total === undefined ? '' : counted(total, options.noun) + (options.filtered?.() ?? '');
+    const said = remark ?? number;
     keepingFocus(content, () =>
       content.replaceChildren(
-        options.noun === undefined || total === undefined ? '' : h('p', { class: 'muted' }, counted(total, options.noun)),
+        said === '' ? '' : h('p', { class: 'muted' }, h('bdi', {}, said)),
         table({ ...options, rows, order, onOrder }),
         pages(tokens.length, next !== '', go),
       ),

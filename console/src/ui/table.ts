@@ -1,5 +1,6 @@
 import { h } from './dom';
 import type { Child } from './dom';
+import { help } from './help';
 
 /** An order of rows: of what, and whether it descends. */
 export interface Order {
@@ -14,6 +15,8 @@ export interface Column<Row> {
   readonly cell: (row: Row) => Child;
   /** Word by which rows can be sorted, as `create_time` of the API's `order_by`. */
   readonly orderBy?: string;
+  /** What the column means, behind a `?` in its header. */
+  readonly help?: string;
   /** Numbers stand at the right, so that their digits are below each other. */
   readonly isNumeric?: boolean;
 }
@@ -29,18 +32,17 @@ export interface TableOptions<Row> {
   readonly onOrder?: (order: Order) => void;
 }
 
-/** A table in a frame that scrolls sideways on small screens. The first column names the rows. */
+/** A table in a frame; on small screens that it does not fit its rows are blocks. The first column names the rows. */
 export function table<Row>(options: TableOptions<Row>): HTMLElement {
   const { caption, columns, rows } = options;
   const body = rows.map((row) =>
     h(
       'tr',
-      {},
-      ...columns.map(({ cell, isNumeric }, index) => {
+      { role: 'row' },
+      ...columns.map(({ cell, isNumeric, header: text, group }, index) => {
         const attributes = { class: isNumeric ? 'numeric' : null };
-        return index === 0
-          ? h('th', { scope: 'row', ...attributes }, cell(row))
-          : h('td', attributes, cell(row));
+        if (index === 0) return h('th', { scope: 'row', role: 'rowheader', ...attributes }, cell(row));
+        return h('td', { role: 'cell', 'data-label': group ? `${group}: ${text}` : text, ...attributes }, cell(row));
       }),
     ),
   );
@@ -49,18 +51,28 @@ export function table<Row>(options: TableOptions<Row>): HTMLElement {
     caption,
     h(
       'table',
-      {},
+      // Its elements are named, for those that are laid out as blocks are taken for something else.
+      { role: 'table' },
       h('caption', { class: hidden }, caption),
-      h('thead', {}, groupRow(columns), h('tr', {}, ...columns.map((column) => header(column, options)))),
-      h('tbody', {}, ...body),
+      h('thead', { role: 'rowgroup' }, groupRow(columns), h('tr', { role: 'row' }, ...columns.map((column) => header(column, options)))),
+      h('tbody', { role: 'rowgroup' }, ...body),
     ),
   );
 }
 
-/** A table in a frame, which scrolls, and can be reached by keys to do so, only while it is too narrow for the table. */
+/** Screens on which a table that does not fit becomes blocks. */
+const SMALL = '(width < 44rem)';
+
+/**
+ * A table in a frame. While it is too wide for that, it becomes blocks on a small screen; elsewhere the frame scrolls,
+ * and can be reached by keys to do so.
+ */
 function framed(caption: string, content: HTMLTableElement): HTMLElement {
   const frame = h('div', { class: 'table-frame', role: 'region', 'aria-label': caption, tabindex: '0' }, content);
+  let needed = 0;
   const measure = (): void => {
+    if (!frame.classList.contains('stacked')) needed = content.offsetWidth;
+    frame.classList.toggle('stacked', matchMedia(SMALL).matches && needed > frame.clientWidth);
     const fits = content.offsetWidth <= frame.clientWidth;
     frame.classList.toggle('fits', fits);
     if (fits) frame.removeAttribute('tabindex');
@@ -83,17 +95,18 @@ function groupRow<Row>(columns: readonly Column<Row>[]): HTMLElement | null {
   }
   return h(
     'tr',
-    { class: 'groups' },
+    { class: 'groups', role: 'row' },
     ...cells.map(({ text, span }) =>
-      text === '' ? h('td', { colspan: span }) : h('th', { scope: 'colgroup', colspan: span }, text),
+      text === '' ? h('td', { role: 'cell', colspan: span }) : h('th', { scope: 'colgroup', role: 'columnheader', colspan: span }, text),
     ),
   );
 }
 
 function header<Row>(column: Column<Row>, { order, onOrder }: TableOptions<Row>): HTMLElement {
   const by = column.orderBy;
-  const attributes = { scope: 'col', class: column.isNumeric ? 'numeric' : null };
-  if (by === undefined || onOrder === undefined) return h('th', attributes, column.header);
+  const attributes = { scope: 'col', role: 'columnheader', class: column.isNumeric ? 'numeric' : null };
+  const explanation = column.help === undefined ? '' : [' ', help(column.header, column.help)];
+  if (by === undefined || onOrder === undefined) return h('th', attributes, column.header, explanation);
   const isSorted = order?.by === by;
   const descends = isSorted && order.descends;
   const sort = isSorted ? (descends ? 'descending' : 'ascending') : null;
@@ -106,5 +119,6 @@ function header<Row>(column: Column<Row>, { order, onOrder }: TableOptions<Row>)
       column.header,
       h('span', { 'aria-hidden': 'true', class: 'sort-mark' }, isSorted ? (descends ? '▼' : '▲') : ''),
     ),
+    explanation,
   );
 }

@@ -14,6 +14,9 @@ export class Sharpness {
   #times: number[] = [];
   #last: number | null = null;
 
+  /** A smooth picture has as many pixels as the page at least: its edges are blended instead. */
+  constructor(private readonly isSmooth = false) {}
+
   /** True if the picture has all of its pixels. */
   get isFull(): boolean {
     return this.#share === 1;
@@ -21,7 +24,8 @@ export class Sharpness {
 
   /** Pixels of the canvas per pixel of the page, for a screen with this ratio. */
   ratio(screen: number): number {
-    return Math.min(Math.max(screen, 0.5), MOST_RATIO) * this.#share;
+    const all = Math.min(Math.max(screen, 0.5), MOST_RATIO);
+    return this.isSmooth ? Math.max(all * this.#share, Math.min(all, 1)) : all * this.#share;
   }
 
   /** Notes a frame [ms], after which another one follows if things move; true if the canvas has another size now. */

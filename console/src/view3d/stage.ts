@@ -27,6 +27,11 @@ export interface Layer {
   dispose(): void;
 }
 
+export interface StageOptions {
+  /** True if edges are smooth also while it moves on a slow machine: for small pictures that are looked at. */
+  readonly isSmooth?: boolean;
+}
+
 /**
  * A picture in three dimensions, z up, in metres. It is drawn when something has changed, and with the
  * screen as long as a listener says that things move.
@@ -51,7 +56,7 @@ export class Stage {
   readonly #dark = matchMedia('(prefers-color-scheme: dark)');
   readonly #layers = new Set<Layer>();
   readonly #listeners = new Set<(now: number) => boolean>();
-  readonly #sharpness = new Sharpness();
+  readonly #sharpness: Sharpness;
   /** Points that the camera frames until the user moves it. */
   #framed: Vector3[] | null = null;
   /** The calibrated camera through which one looks until the view is moved, and the function called then. */
@@ -60,11 +65,12 @@ export class Stage {
   #disposed = false;
 
   /** `role` is `application` where the canvas handles keys. */
-  constructor(label: string, role: 'img' | 'application' = 'img') {
+  constructor(label: string, role: 'img' | 'application' = 'img', { isSmooth = false }: StageOptions = {}) {
     this.canvas = h('canvas', { tabindex: 0, role, 'aria-label': label });
     this.overlay = h('div', { class: 'stage-overlay' });
     this.element = h('div', { class: 'stage' }, this.canvas, this.overlay, this.#description);
-    this.#renderer = rendererOf(this.canvas);
+    this.#sharpness = new Sharpness(isSmooth);
+    this.#renderer = rendererOf(this.canvas, isSmooth);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener('change', this.invalidate);
@@ -297,9 +303,9 @@ export class Stage {
 }
 
 /** Renderer of a canvas; throws, in words for people, if there is none. */
-function rendererOf(canvas: HTMLCanvasElement): WebGLRenderer {
+function rendererOf(canvas: HTMLCanvasElement, isSmooth: boolean): WebGLRenderer {
   try {
-    return new WebGLRenderer({ canvas, antialias: !drawsInSoftware() });
+    return new WebGLRenderer({ canvas, antialias: isSmooth || !drawsInSoftware() });
   } catch {
     throw new Error('This browser cannot draw in three dimensions: WebGL 2 is missing or switched off in it.');
   }

@@ -1,7 +1,8 @@
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { inflateRawSync } from 'node:zlib';
 import { binary, type Server } from '../../scripts/server.mjs';
 import { tar } from '../../src/pages/upload/tar';
 
@@ -13,6 +14,33 @@ export function folder(): string {
 /** A small simulated capture, as `bendtwin capture make` writes it: an archive or, by its name, a folder. */
 export function makeCapture(path: string, ...options: string[]): string {
   return makeFull(path, ...options, '--tiny');
+}
+
+/** An archive of two small simulated recordings of one object, each of which moves it otherwise. */
+export async function makeTwo(folder: string): Promise<string> {
+  const takes = ['0', '1'].flatMap((take) => {
+    const made = makeCapture(join(folder, `take${take}.zip`), 'toy', '--frames', '12', '--take', take);
+    return unzip(readFileSync(made)).map(({ path, bytes }) => ({ path: `take${take}/${path}`, file: new Blob([bytes]) }));
+  });
+  const document = { path: 'recordings.json', file: new Blob(['{"format": "bendtwin-recordings", "version": 1}']) };
+  const file = join(folder, 'two.tar');
+  writeFileSync(file, new Uint8Array(await tar([document, ...takes]).arrayBuffer()));
+  return file;
+}
+
+/** The files in a ZIP archive without a comment, by its directory. */
+function unzip(archive: Buffer): { path: string; bytes: Uint8Array<ArrayBuffer> }[] {
+  const end = archive.length - 22;
+  let at = archive.readUInt32LE(end + 16);
+  return Array.from({ length: archive.readUInt16LE(end + 10) }, () => {
+    const [method, packed, name] = [archive.readUInt16LE(at + 10), archive.readUInt32LE(at + 20), archive.readUInt16LE(at + 28)];
+    const path = archive.toString('utf8', at + 46, at + 46 + name);
+    const head = archive.readUInt32LE(at + 42);
+    const from = head + 30 + archive.readUInt16LE(head + 26) + archive.readUInt16LE(head + 28);
+    at += 46 + name + archive.readUInt16LE(at + 30) + archive.readUInt16LE(at + 32);
+    const content = archive.subarray(from, from + packed);
+    return { path, bytes: new Uint8Array(method === 0 ? content : inflateRawSync(content)) };
+  }).filter(({ path }) => !path.endsWith('/'));
 }
 
 /** A simulated capture of full size. */

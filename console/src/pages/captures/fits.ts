@@ -5,19 +5,25 @@ import { count } from '../../ui/format';
 /** Fits that are asked for, those with the least errors first. */
 const MOST = 500;
 
+/** An error [m] and its measure, as the API names it. */
+export interface Best {
+  readonly error_m: number;
+  readonly measure: string | null;
+}
+
 /** Numbers of fits and least errors of all captures, by one request. */
 export class Fits {
-  readonly #captures = new Map<string, { count: number; best: number | null }>();
+  readonly #captures = new Map<string, { count: number; best: Best | null }>();
 
   /** `isWhole` is true if these are all fits: their numbers are known only then. */
   constructor(
-    fits: readonly Pick<Fit, 'capture' | 'error_m'>[],
+    fits: readonly Pick<Fit, 'capture' | 'error_m' | 'measure'>[],
     private readonly isWhole: boolean,
   ) {
-    for (const { capture, error_m } of fits) {
-      const known = this.#captures.get(capture) ?? { count: 0, best: null };
-      const best = error_m === null ? known.best : Math.min(known.best ?? Infinity, error_m);
-      this.#captures.set(capture, { count: known.count + 1, best });
+    for (const { capture, error_m, measure } of fits) {
+      const { count, best } = this.#captures.get(capture) ?? { count: 0, best: null };
+      const isBetter = typeof error_m === 'number' && !(best !== null && best.error_m <= error_m);
+      this.#captures.set(capture, { count: count + 1, best: isBetter ? { error_m, measure: measure ?? null } : best });
     }
   }
 
@@ -32,8 +38,8 @@ export class Fits {
     return this.isWhole ? count(this.#captures.get(capture)?.count ?? 0) : '–';
   }
 
-  /** The least error among them [m]; null without any. */
-  best(capture: string): number | null {
+  /** The least error among them; null without any. */
+  best(capture: string): Best | null {
     return this.#captures.get(capture)?.best ?? null;
   }
 }

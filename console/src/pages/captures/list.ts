@@ -2,15 +2,16 @@ import { hasEnded, idOf, type Capture } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';
-import { millimetres, name, size, time } from '../../ui/format';
+import { count, counted, name, size, time } from '../../ui/format';
 import { list, totalOf, type ListPage, type PageQuery } from '../../ui/list';
 import { refresh } from '../../ui/refresh';
-import { placeholder, thumbnail } from '../../ui/thumbnail';
+import { ERROR_HELP, errorCell } from '../parts/error';
 import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
 import { MultiSelection } from '../parts/selection';
 import { deleteQuestion } from './dependents';
-import { Fits } from './fits';
+import { Fits, type Best } from './fits';
+import { capturePicture } from './picture';
 import { STATES, stateBadge, stateOf, whyNoFit } from './state';
 import './named.css';
 
@@ -37,11 +38,12 @@ export const open: OpenPage = (context) => {
     caption: 'Captures',
     hidesCaption: true,
     noun: 'capture',
+    filtered: shown.words,
     columns: [
       { header: 'Name', orderBy: 'name', cell: (capture) => nameCell(context, selection, capture) },
       { header: 'State', cell: stateBadge },
       { header: 'Fits', isNumeric: true, cell: ({ name: own }) => fits?.count(own) ?? '' },
-      { header: 'Best error', isNumeric: true, cell: ({ name: own }) => millimetres(fits?.best(own)) },
+      { header: 'Best error', help: ERROR_HELP, isNumeric: true, cell: ({ name: own }) => bestError(fits?.best(own)) },
       { header: 'Tags', cell: ({ tags }) => tagLinks('captures', tags) },
       { header: 'Size', isNumeric: true, cell: ({ size_bytes }) => size(size_bytes) },
       { header: 'Uploaded', orderBy: 'create_time', cell: ({ create_time }) => time(create_time) },
@@ -49,7 +51,7 @@ export const open: OpenPage = (context) => {
     ],
     load: async (page) => {
       const { state, ...query } = shown.query();
-      const loaded = await loadPage(context, { ...page, ...query }, state);
+      const loaded = await loadPage(context, { ...page, ...query }, state, shown.words);
       isReading = loaded.rows.some(({ ingest }) => !hasEnded(ingest));
       return loaded;
     },
@@ -79,25 +81,37 @@ export const open: OpenPage = (context) => {
 };
 
 /** A page of captures; of those in one state the page finds them itself, for the API does not filter by it. */
-async function loadPage({ api, signal }: PageContext, query: PageQuery, state: string | undefined): Promise<ListPage<Capture>> {
+async function loadPage(
+  { api, signal }: PageContext,
+  query: PageQuery,
+  state: string | undefined,
+  words: () => string,
+): Promise<ListPage<Capture>> {
   if (state === undefined) {
     const reply = await api.get('/v1/captures', { query, signal });
     return { rows: reply.captures, next_page_token: reply.next_page_token, total_size: totalOf(reply) };
   }
   const rows: Capture[] = [];
   let page_token = query.page_token;
+  let seen = 0;
   do {
     const reply = await api.get('/v1/captures', { query: { ...query, page_token, page_size: MANY }, signal });
+    seen += reply.captures.length;
     rows.push(...reply.captures.filter((capture) => stateOf(capture) === state));
     page_token = reply.next_page_token;
   } while (page_token !== '' && rows.length < ENOUGH);
-  return { rows, next_page_token: page_token };
+  const isWhole = page_token === '' && query.page_token === '';
+  const remark = `${counted(rows.length, 'capture')}${words()} among the ${count(seen)} that this page looked through.`;
+  return { rows, next_page_token: page_token, remark: isWhole ? undefined : remark };
 }
 
-function nameCell({ api, signal }: PageContext, selection: MultiSelection, capture: Capture): HTMLElement {
-  const picture = hasEnded(capture.ingest) ? thumbnail(api, `/v1/${capture.name}/thumbnail`, '', signal) : placeholder();
+function nameCell(context: PageContext, selection: MultiSelection, capture: Capture): HTMLElement {
   const link = h('a', { href: `#/captures/${idOf(capture.name)}` }, name(capture.display_name));
-  return h('span', { class: 'capture-name' }, selection.box(capture), picture, link);
+  return h('span', { class: 'capture-name' }, selection.box(capture), capturePicture(context, capture), link);
+}
+
+function bestError(best: Best | null | undefined): Child {
+  return errorCell(best?.error_m, best?.measure);
 }
 
 function fitLink(capture: Capture): Child {

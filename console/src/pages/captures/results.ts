@@ -2,11 +2,12 @@ import { hasEnded, idOf, type Fit, type Twin } from '@bendtwin/client';
 import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
-import { millimetres, name, percent, time } from '../../ui/format';
+import { name, percent, time } from '../../ui/format';
 import { list } from '../../ui/list';
 import { refresh } from '../../ui/refresh';
 import { thumbnail } from '../../ui/thumbnail';
-import type { Errors, Quality } from '../twins/quality';
+import { ERROR_HELP, errorCell } from '../parts/error';
+import { twinErrorCell } from '../twins/quality';
 import './named.css';
 
 /** Rows of a page. */
@@ -24,7 +25,7 @@ export function fitsOf(context: PageContext, capture: string): HTMLElement {
         header: 'State',
         cell: ({ job }) => [badge(job.state), job.state === 'RUNNING' && ` ${percent(job.progress?.fraction ?? 0)}`],
       },
-      { header: 'Error', isNumeric: true, cell: ({ error_m }) => millimetres(error_m) },
+      { header: 'Error', help: ERROR_HELP, isNumeric: true, cell: ({ error_m, measure }) => errorCell(error_m, measure) },
       { header: 'Created', cell: ({ job }) => time(job.create_time) },
     ],
     load: async ({ page_token }) => {
@@ -47,8 +48,7 @@ export function twinsOf(context: PageContext, capture: string): HTMLElement {
     hidesCaption: true,
     columns: [
       { header: 'Twin', cell: (twin) => twinCell(context, twin) },
-      { header: 'Error', isNumeric: true, cell: ({ error_m }) => millimetres(error_m) },
-      { header: 'Measured by', cell: ({ quality }) => measureOf(quality as Quality) },
+      { header: 'Error', help: ERROR_HELP, isNumeric: true, cell: twinErrorCell },
       { header: 'Created', cell: ({ create_time }) => time(create_time) },
       {
         header: 'Beside the recording',
@@ -76,16 +76,4 @@ export function twinsOf(context: PageContext, capture: string): HTMLElement {
 function twinCell({ api, signal }: PageContext, twin: Twin): HTMLElement {
   const link = h('a', { href: `#/twins/${idOf(twin.name)}` }, name(twin.display_name));
   return h('span', { class: 'capture-name' }, thumbnail(api, `/v1/${twin.name}/thumbnail`, '', signal), link);
-}
-
-/** What errors of twins are measured by, in the order in which the server chooses. */
-const MEASURES: readonly (readonly [keyof Errors, string])[] = [
-  ['track_m', 'tracks'],
-  ['coordinate_m', 'coordinates'],
-  ['chamfer_l2_m', 'surface'],
-];
-
-function measureOf({ scores }: Quality): string {
-  const future = scores?.[0]?.future;
-  return MEASURES.find(([measure]) => typeof future?.[measure] === 'number')?.[1] ?? '–';
 }

@@ -1,7 +1,6 @@
 import type { Capture } from '@bendtwin/client';
 import { expect, test } from 'vitest';
-
-import { stateOf, whyNoFit } from './state';
+import { mayHavePicture, stateOf, whyNoFit } from './state';
 
 function capture(state: string, verdict: string | null = null, settings: object = {}): Capture {
   return { verdict, ingest: { state, settings } } as unknown as Capture;
@@ -32,4 +31,11 @@ test('captures that have points, or will have them, can be fitted', () => {
     capture('RUNNING', 'good', { until: 'masks' }),
   ];
   expect(not.map(whyNoFit).every((text) => text !== null)).toBe(true);
+});
+
+test('what could not be read has no picture', () => {
+  const unread = { ...capture('FAILED', 'unusable') };
+  (unread.ingest as { fault?: object }).fault = { reason: 'UNKNOWN_CAPTURE_KIND' };
+  expect([capture('QUEUED'), capture('CANCELLED', 'good'), capture('FAILED'), unread].map(mayHavePicture)).toEqual([false, false, false, false]);
+  expect([capture('SUCCEEDED', 'good'), capture('FAILED', 'unusable')].map(mayHavePicture)).toEqual([true, true]);
 });

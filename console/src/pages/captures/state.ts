@@ -43,6 +43,15 @@ export function stateBadge(capture: Capture): Child {
   }
 }
 
+/** What an ingest ends with that could not read anything. */
+const UNREAD = 'UNKNOWN_CAPTURE_KIND';
+
+/** False if a capture has certainly nothing to show; of one that was refused the API does not say whether it has images. */
+export function mayHavePicture({ ingest, verdict }: Capture): boolean {
+  if (ingest.state === 'SUCCEEDED') return true;
+  return ingest.state === 'FAILED' && verdict !== null && verdict !== undefined && ingest.fault?.reason !== UNREAD;
+}
+
 /** Why a capture cannot be fitted; null if it can, also once it has been read. */
 export function whyNoFit(capture: Capture): string | null {
   switch (stateOf(capture)) {

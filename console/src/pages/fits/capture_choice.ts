@@ -3,7 +3,7 @@ import type { PageContext } from '../../page';
 import { badge } from '../../ui/badge';
 import { h } from '../../ui/dom';
 import { moment } from '../../ui/format';
-import { thumbnail } from '../../ui/thumbnail';
+import { capturePicture } from '../captures/picture';
 import { whyNoFit } from '../captures/state';
 import { Combobox, type Option } from '../parts/combobox';
 import './capture_choice.css';
@@ -41,14 +41,10 @@ export class CaptureChoice {
 
   #chosen(capture: Capture | null): void {
     this.#picture.hidden = capture === null;
-    this.#picture.replaceChildren(...(capture === null ? [] : [this.#thumbnail(capture)]));
+    this.#picture.replaceChildren(...(capture === null ? [] : [capturePicture(this.context, capture)]));
     const reason = capture === null ? null : whyNoFit(capture);
     this.#fault.textContent = reason === null ? '' : `This capture cannot be fitted: ${reason}.`;
     this.onChange();
-  }
-
-  #thumbnail({ name }: Capture): HTMLElement {
-    return thumbnail(this.context.api, `/v1/${name}/thumbnail`, '', this.context.signal);
   }
 
   #option(capture: Capture): Option<Capture> {
@@ -58,7 +54,7 @@ export class CaptureChoice {
     const content = h(
       'span',
       { class: 'capture-option' },
-      this.#thumbnail(capture),
+      capturePicture(this.context, capture),
       h(
         'span',
         {},

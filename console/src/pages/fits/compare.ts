@@ -9,7 +9,7 @@ import { isolated } from '../parts/text';
 import { comparedText } from '../twins/quality';
 import { LOSSES, StageCharts } from './chart';
 import { captureLink } from '../parts/capture';
-import { errorWords } from './picture/preview';
+import { errorWords } from '../parts/error';
 import { chartsOf, lastLosses, lossText } from './losses';
 
 /** Fits beside each other: their results, losses, and settings that differ. */
@@ -32,7 +32,7 @@ export const open: OpenPage = async (context) => {
     { text: 'Twin', cells: fits.map(({ twin }) => (twin ? h('a', { href: `#/twins/${idOf(twin)}` }, 'Open') : '–')) },
     { text: 'Capture', cells: fits.map(({ capture }) => captureLink(context, capture)) },
     { text: 'State', cells: fits.map(({ job }) => badge(job.state)) },
-    { text: 'Error in future frames', cells: fits.map(({ error_m, measure }) => errorWords(error_m, measure)) },
+    { text: 'Error on later frames', cells: fits.map(({ error_m, measure }) => errorWords(error_m, measure)) },
     { text: 'Lowest loss', cells: losses.map(({ curves }) => lowest(curves)) },
     { text: 'Took', cells: fits.map(({ job }) => duration(tookS(job))) },
     { text: 'Created', cells: fits.map(({ job }) => time(job.create_time)) },

@@ -1,5 +1,6 @@
 import { hasEnded, idOf, Problem, type Capture, type Fit } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
+import { confirm } from '../../ui/dialog';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
 import { time } from '../../ui/format';
@@ -15,6 +16,7 @@ import { parametersView } from '../twins/parameters';
 import type { Quality } from '../twins/quality';
 import { LossView } from './curves';
 import { FitPicture } from './picture/picture';
+import { cancelQuestion } from './cancel';
 import { whyItWaits } from './waiting';
 
 /** The page of a fit: what it has so far or its twin, how far it is, its errors and losses, and what came of it. */
@@ -116,6 +118,7 @@ class FitPage {
     const { context, path, fit } = this;
     const faults = this.#faults;
     const cancel = async (): Promise<void> => {
+      if (!(await confirm(cancelQuestion([fit])))) return;
       this.update(await context.api.send<Fit>('POST', `${path}/cancel`, {}, context.signal));
     };
     const id = fit.twin ? idOf(fit.twin) : '';
@@ -151,7 +154,7 @@ class FitPage {
       const { quality } = await context.api.get('/v1/twins/{id}', { id: idOf(twin), signal: context.signal });
       const asked = (): Promise<unknown> => Promise.resolve(this.fit.job.settings);
       this.#result.replaceChildren(
-        ...[assessmentView(quality as Quality), qualityView(quality as Quality)].filter((view) => view !== null),
+        ...[assessmentView(quality as Quality, toWhy(twin)), qualityView(quality as Quality)].filter((view) => view !== null),
         parametersView(context, idOf(twin), asked),
       );
     } catch (error) {
@@ -163,4 +166,9 @@ class FitPage {
       this.#result.replaceChildren(box);
     }
   }
+}
+
+/** The way to what a verdict is due to, and what to do about it. */
+function toWhy(twin: string): HTMLElement {
+  return h('p', {}, h('a', { href: `#/${twin}` }, 'Why this verdict, and what to do next'));
 }

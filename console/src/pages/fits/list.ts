@@ -1,6 +1,7 @@
 import { hasEnded, idOf, tookS, type Fit } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
 import { badge } from '../../ui/badge';
+import { confirm } from '../../ui/dialog';
 import { h, type Child } from '../../ui/dom';
 import { cli, empty } from '../../ui/empty';
 import { counted, duration, millimetres, name, percent, time } from '../../ui/format';
@@ -9,12 +10,15 @@ import { textOf } from '../../ui/problem';
 import { refresh } from '../../ui/refresh';
 import { placeholder, thumbnail } from '../../ui/thumbnail';
 import { compareLink } from '../parts/compare';
+import { ERROR_HELP, below, errorCell } from '../parts/error';
 import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
 import { MultiSelection, type Selectable } from '../parts/selection';
-import { measureWord } from './picture/preview';
+import { cancelQuestion } from './cancel';
 import './list.css';
 
+/** What stands in the place of the error of a fit without a twin. */
+const OF_TRAINING = 'Training: a fit without a twin has only its error on the frames that it is fitted to.';
 /** Interval at which running fits are refreshed [ms]. */
 const REFRESH_MS = 2000;
 
@@ -56,10 +60,11 @@ export const open: OpenPage = (context) => {
     caption: 'Fits',
     hidesCaption: true,
     noun: 'fit',
+    filtered: shown.words,
     columns: [
       { header: 'Name', orderBy: 'name', cell: (fit) => nameCell(context, selection, fit) },
       { header: 'State', cell: stateOf },
-      { header: 'Best error', orderBy: 'error', isNumeric: true, cell: errorOf },
+      { header: 'Error', help: `${ERROR_HELP} ${OF_TRAINING}`, orderBy: 'error', isNumeric: true, cell: errorOf },
       { header: 'Took', isNumeric: true, cell: ({ job }) => duration(tookS(job)) },
       { header: 'Tags', cell: ({ tags }) => tagLinks('fits', tags) },
       { header: 'Created', orderBy: 'create_time', cell: ({ job }) => time(job.create_time) },
@@ -91,13 +96,9 @@ function nameCell({ api, signal }: PageContext, selection: MultiSelection, fit: 
 
 /** The error of the twin with its kind; of a fit that runs that of what it has so far. */
 function errorOf({ job, error_m, measure }: Fit): Child {
-  if (error_m !== null && error_m !== undefined) {
-    return [millimetres(error_m), measure ? h('span', { class: 'fit-measure' }, measureWord(measure)) : ''];
-  }
   const now = job.progress?.error_m;
-  return now === null || now === undefined
-    ? '–'
-    : [millimetres(now), h('span', { class: 'fit-measure' }, hasEnded(job) ? 'training' : 'training, now')];
+  if (typeof error_m === 'number' || typeof now !== 'number') return errorCell(error_m, measure);
+  return [millimetres(now), below(hasEnded(job) ? 'training' : 'training, now')];
 }
 
 /** A button that cancels the selected fits that have not ended. */
@@ -108,6 +109,7 @@ function cancelButton(
   reload: () => Promise<void>,
 ): HTMLButtonElement {
   const cancel = async (): Promise<void> => {
+    if (!(await confirm(cancelQuestion(rows))) || signal.aborted) return;
     button.disabled = true;
     const sent = rows.map((row) =>
       api.send('POST', `/v1/${row.name}/cancel`, {}, signal).then(

@@ -8,12 +8,12 @@ import { ANY_WORKER } from '../parts/requirements';
 import { faultsByName } from '../parts/settings';
 import { CaptureChoice } from './capture_choice';
 import { SettingsForm } from './form';
-import { formOf, settingsOf, type FitForm } from './request';
+import { formOf, settingsOf, withMoreStarts, withNodes, type FitForm } from './request';
 import { WorkerForm } from './worker_form';
 
 /**
  * The form that starts a fit: `?capture=` says of what, `?like=` the fit whose settings it begins with, `?from=` the
- * twin that it refines.
+ * twin that it refines, `?starts=more` and `?nodes=800` what advice wants to be changed.
  */
 export const open: OpenPage = async (context) => {
   context.setTitle('Start a fit');
@@ -46,7 +46,7 @@ class NewFit {
     capture: Capture | null,
     model: Fit | null,
   ) {
-    const form = formOf(model?.job.settings ?? {});
+    const form = asked(formOf(model?.job.settings ?? {}), context.query);
     const from = context.query.get('from');
     const refined: FitForm['others'] = from === null ? [] : [['start_from', `twins/${from}`]];
     this.#settings = new SettingsForm({ ...form, others: [...form.others, ...refined] });
@@ -107,6 +107,13 @@ class NewFit {
     if (faults.size > 0) this.context.announce(`${faults.size} settings are not accepted`);
     return faults.size > 0;
   }
+}
+
+/** A form with what the address asks to be changed. */
+function asked(form: FitForm, query: URLSearchParams): FitForm {
+  const started = query.get('starts') === 'more' ? withMoreStarts(form) : form;
+  const nodes = Number(query.get('nodes'));
+  return Number.isSafeInteger(nodes) && nodes > 0 ? withNodes(started, nodes) : started;
 }
 
 function fitOf({ api, signal }: PageContext, id: string): Promise<Fit> {

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 
-import { formOf, settingsOf, type FitForm } from './request';
+import { formOf, settingsOf, type FitForm, withMoreStarts, withNodes } from './request';
 
 const PLAIN: FitForm = {
   effort: 'standard',
@@ -66,4 +66,13 @@ test('invalid values are reported by their names', () => {
   ] as const;
   const { faults } = settingsOf({ ...PLAIN, within_s: 'soon', seed: '18446744073709551615', starts: '1', others });
   expect([...faults.keys()].sort()).toEqual(['', 'a', 'graph.max_nodes', 'seed', 'within_s']);
+});
+
+test('more starts are twice as many, three at least, and a bound on nodes takes the place of another', () => {
+  const starts = (settings: object): string => withMoreStarts(formOf(settings)).starts;
+  expect([{ effort: 'draft' }, {}, { effort: 'best' }, { search: { starts: 7 } }, { search: { starts: 50 } }].map(starts)).toEqual(
+    ['3', '4', '8', '14', '64'],
+  );
+  const form = withNodes(formOf({ graph: { max_nodes: 100 }, refine: { passes: 9 } }), 800);
+  expect(form.others).toEqual([['refine.passes', '9'], ['graph.max_nodes', '800']]);
 });

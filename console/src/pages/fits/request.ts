@@ -49,6 +49,23 @@ export function settingsOf(form: FitForm): { settings: Settings; faults: Map<str
   return { settings, faults };
 }
 
+/** Starts by effort, where they are left open: docs/use/settings.md, Effort. */
+const STARTS: Record<string, number> = { draft: 1, standard: 2, best: 4 };
+const LEAST_STARTS = 3;
+const MOST_STARTS = 64;
+
+/** The same form with twice as many starts, three at least. */
+export function withMoreStarts(form: FitForm): FitForm {
+  const known = Number(form.starts) || (STARTS[form.effort] ?? 1);
+  return { ...form, starts: String(Math.min(Math.max(2 * known, LEAST_STARTS), MOST_STARTS)) };
+}
+
+/** The same form with this bound on nodes. */
+export function withNodes(form: FitForm, nodes: number): FitForm {
+  const others = form.others.filter(([name]) => name !== 'graph.max_nodes');
+  return { ...form, others: [...others, ['graph.max_nodes', String(nodes)]] };
+}
+
 /** The form that gives these settings of a fit again. */
 export function formOf(settings: unknown): FitForm {
   const values = new Map(flat(settings));

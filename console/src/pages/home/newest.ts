@@ -2,11 +2,12 @@ import type { Fit, Twin } from '@bendtwin/client';
 import { h } from '../../ui/dom';
 import type { Child } from '../../ui/dom';
 import { badge } from '../../ui/badge';
-import { millimetres, name, percent, time } from '../../ui/format';
+import { name, percent, time } from '../../ui/format';
 import { table } from '../../ui/table';
 import type { Column } from '../../ui/table';
 import type { PageContext } from '../../page';
 import { thumbnail } from '../../ui/thumbnail';
+import { ERROR_HELP, errorCell } from '../parts/error';
 import { levelBadge } from '../twins/verdict/level';
 import type { Quality } from '../twins/quality';
 import { errorText } from '../twins/verdict/reasons';
@@ -24,7 +25,7 @@ export function newest(context: PageContext, numbers: Numbers): HTMLElement {
       section('Newest fits', numbers.newestFits, [
         named((fit) => fit),
         { header: 'State', cell: stateOf },
-        { header: 'Error', cell: (fit) => millimetres(fit.error_m), isNumeric: true },
+        { header: 'Error', help: ERROR_HELP, isNumeric: true, cell: ({ error_m, measure }) => errorCell(error_m, measure) },
         made((fit) => fit.job.create_time),
       ]),
       section('Newest captures', numbers.newestCaptures, [

@@ -26,3 +26,12 @@ test('only settings that differ are listed', () => {
 test('names that several have get a number', () => {
   expect(distinctNames(['rope', 'toy', 'rope', ''])).toEqual(['rope (1)', 'toy', 'rope (3)', 'without a name']);
 });
+
+test('numbers of settings have three digits, or as many as tell them apart', () => {
+  const cells = (one: unknown, other: unknown) => differingSettings([{ a: one }, { a: other }])[0]?.cells;
+  expect(cells(0.16666666666666666, 0.123456)).toEqual(['0.167', '0.123']);
+  expect(cells(0.12345, 0.12349)).toEqual(['0.12345', '0.12349']);
+  expect(cells(1234567, 12)).toEqual(['1234567', '12']);
+  // Single precision makes no difference.
+  expect(cells(0.1, 0.10000000149011612)).toBeUndefined();
+});

@@ -1,7 +1,7 @@
 import { h, type Child } from '../../ui/dom';
 import { table } from '../../ui/table';
 import { flat } from './settings';
-import { settingWord } from './settings_view';
+import { EXACT, settingWord } from './settings_view';
 
 /** Most resources beside each other. */
 export const MOST = 6;
@@ -94,8 +94,13 @@ export function differingSettings(all: readonly unknown[]): Line[] {
   const maps = all.map((settings) => new Map(settings === null ? [] : flat(settings)));
   const names = [...new Set(maps.flatMap((map) => [...map.keys()]))];
   return names.flatMap((text) => {
-    const cells = maps.map((map) => (map.has(text) ? settingWord(map.get(text)) : '–'));
-    return new Set(cells).size > 1 ? [{ text, cells }] : [];
+    const cells = (digits: number): string[] =>
+      maps.map((map) => (map.has(text) ? settingWord(map.get(text), digits) : '–'));
+    const count = new Set(cells(EXACT)).size;
+    if (count === 1) return [];
+    // Three digits, or as many as tell those that differ apart.
+    const digits = [3, 4, 5, 6].find((some) => new Set(cells(some)).size === count) ?? EXACT;
+    return [{ text, cells: cells(digits) }];
   });
 }
 

@@ -1,12 +1,15 @@
 import type { PageContext } from '../../page';
 import { h } from '../../ui/dom';
 import { field } from '../../ui/form';
+import { isolated } from './text';
 
 /** Filters of a list: text, tag, and others by their names in the API's query. */
 export interface Filters {
   readonly element: HTMLElement;
   /** The fields of the query that are filled in. */
   query(): Record<string, string>;
+  /** What they let through, to stand behind a number of rows, as ` with state “failed”`; empty without any. */
+  words(): string;
 }
 
 /** A choice among a few values: its name in the query, its label, and values with their words. */
@@ -53,5 +56,17 @@ export function filters(context: PageContext, choices: readonly Choice[], onChan
     ...selects.map(([name, select]) => field(choices.find((c) => c.name === name)?.label ?? name, select)),
   );
   element.addEventListener('input', change);
-  return { element, query };
+  const words = (): string => filterWords(query(), choices);
+  return { element, query, words };
+}
+
+/** Fields of a query in words: what rows have that match it. */
+export function filterWords(query: Readonly<Record<string, string>>, choices: readonly Choice[]): string {
+  const parts = Object.entries(query).map(([name, value]) => {
+    if (name === 'search') return `“${isolated(value)}” in the name or note`;
+    const choice = choices.find((own) => own.name === name);
+    const word = choice?.values.find(([own]) => own === value)?.[1] ?? value;
+    return `${(choice?.label ?? name).toLowerCase()} “${isolated(word)}”`;
+  });
+  return parts.length === 0 ? '' : ` with ${parts.join(', ')}`;
 }

@@ -1,11 +1,16 @@
 import { h } from '../../ui/dom';
+import { significant } from '../../ui/format';
 import { table } from '../../ui/table';
 import { flat } from './settings';
 
-/** A value for people; one that is left open follows effort, capture and device. */
-export function settingWord(value: unknown): string {
+/** Digits of the numbers of settings, which have single precision: no more of them mean anything. */
+export const EXACT = 7;
+
+/** A value for people, with its numbers rounded; one that is left open follows effort, capture and device. */
+export function settingWord(value: unknown, digits?: number): string {
   if (value === null || value === undefined) return 'open';
-  return typeof value === 'string' ? value : JSON.stringify(value);
+  if (typeof value === 'string') return value;
+  return JSON.stringify(value, (_, part: unknown) => (typeof part === 'number' ? Number(significant(part, digits)) : part));
 }
 
 /** Settings in force as a table that is folded away; `chosen` are those that became of open ones. */
@@ -30,5 +35,5 @@ export function settingsView(title: string, settings: unknown, chosen?: unknown)
 
 function shown(value: unknown, chosen: unknown): string {
   const isChosen = value === null && chosen !== null && chosen !== undefined;
-  return isChosen ? `${settingWord(chosen)} (chosen)` : settingWord(value);
+  return isChosen ? `${settingWord(chosen, EXACT)} (chosen)` : settingWord(value, EXACT);
 }

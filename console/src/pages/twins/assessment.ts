@@ -1,8 +1,7 @@
-import { h } from '../../ui/dom';
+import { h, type Child } from '../../ui/dom';
 import { facts } from '../../ui/form';
 import { capitalised, count, millimetres } from '../../ui/format';
 import { table } from '../../ui/table';
-import { prose } from '../parts/text';
 import {
   choiceText,
   measuresOf,
@@ -24,15 +23,15 @@ const SPANS = [
   ['train', 'Fitted frames'],
 ] as const;
 
-/** Assessment of a twin: its verdict, what to do next, and warnings. */
-export function assessmentView(quality: Quality): HTMLElement | null {
+/** Assessment of a twin: its verdict, then `more` about that, and warnings. */
+export function assessmentView(quality: Quality, more: Child): HTMLElement | null {
   const { assessment, warnings = [] } = quality;
   if (assessment === undefined && warnings.length === 0) return null;
   return h(
     'section',
     { class: 'card assessment', 'aria-label': 'Assessment' },
     verdictLine(quality),
-    assessment !== undefined && h('p', {}, prose(assessment.next)),
+    assessment !== undefined && more,
     warningList(warnings),
   );
 }

@@ -1,14 +1,16 @@
 import { idOf, type Capture, type Twin } from '@bendtwin/client';
 import type { OpenPage, PageContext } from '../../page';
+import type { TurningTwin } from '../../view3d/moving/turning_twin';
 import type { TwinShape } from '../../view3d/shape';
 import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
-import { count, size, time } from '../../ui/format';
+import { count, significant, size, time } from '../../ui/format';
 import { menu } from '../../ui/menu';
 import { thumbnail } from '../../ui/thumbnail';
 import { LossView } from '../fits/curves';
 import { deleteButton, faultPlace } from '../parts/actions';
 import { captureText, findCapture } from '../parts/capture';
+import { hasPoints } from '../parts/ingest';
 import { LabelEditor } from '../parts/labels';
 import { qualityView } from './assessment';
 import { evaluationView } from './evaluate';
@@ -21,7 +23,6 @@ import { shareButton } from './share';
 import type { Quality } from './quality';
 import { sequencesView } from './recordings';
 import { scaleOf, type Scale } from './verdict/scale';
-import type { Turning } from './turning';
 import { whyView } from './verdict/why';
 import './detail.css';
 
@@ -43,9 +44,10 @@ class TwinPage {
   readonly #why = h('div');
   readonly #faults = faultPlace();
   readonly #losses: LossView | null;
-  #turning: Turning | null = null;
-  /** Lengths of the object, once its shape is there. */
-  #scale: Scale | null = null;
+  #turning: TurningTwin | null = null;
+  /** Lengths of the object, once its shape is there; null if it does not come. */
+  #scale: Scale | null | undefined = undefined;
+  readonly #evaluation: HTMLDetailsElement;
 
   constructor(
     private readonly context: PageContext,
@@ -58,6 +60,7 @@ class TwinPage {
     this.#picture = h('div', { class: 'twin-picture' }, this.poster());
     this.#losses = twin.fit ? new LossView(context, idOf(twin.fit)) : null;
     void this.#losses?.update(true);
+    this.#evaluation = evaluationView(context, twin, () => this.#scale ?? null);
     this.showTitle(twin);
     this.showWhy();
     const view = `#/twins/${id}/view?colour=uncertainty&layers=skin,shadow`;
@@ -67,9 +70,9 @@ class TwinPage {
       h('div', { class: 'twin-head' }, this.#picture, this.summary()),
       this.#why,
       qualityView(this.#quality),
-      capture === null ? null : sequencesView(context, idOf(capture.name), id),
+      capture === null || !hasPoints(capture) ? null : sequencesView(context, idOf(capture.name), id),
       identifiabilityView(this.#quality, view),
-      evaluationView(context, twin, () => this.#scale),
+      this.#evaluation,
       parametersView(context, id, () => settingsAsked(context, twin.fit ?? null)),
       this.#losses?.element,
       this.facts(),
@@ -86,15 +89,21 @@ class TwinPage {
     const { api, signal } = this.context;
     try {
       // The three-dimensional view is large: the page does not wait for it.
-      const [{ loadShape }, { Turning }] = await Promise.all([import('../../view3d/shape'), import('./turning')]);
+      const [{ loadShape }, { TurningTwin }] = await Promise.all([
+        import('../../view3d/shape'), import('../../view3d/moving/turning_twin'),
+      ]);
       const shape: TwinShape = await loadShape(api, this.id, signal);
       if (signal.aborted) return;
       this.#scale = scaleOf(shape.rest, shape.rods);
       this.showWhy();
-      this.#turning = new Turning(this.twin.display_name, shape, this.context);
-      this.#picture.replaceChildren(this.#turning.element);
+      this.#turning = new TurningTwin(shape, { label: `The twin ${this.twin.display_name}: drag to rotate` });
+      this.#picture.replaceChildren(this.#turning.stage.element);
+      if (!matchMedia('(prefers-reduced-motion: reduce)').matches) this.#turning.play();
     } catch {
       // Without WebGL the picture stays; the playground says what is missing.
+      if (this.#scale !== undefined || signal.aborted) return;
+      this.#scale = null;
+      this.showWhy();
     }
   }
 
@@ -103,7 +112,11 @@ class TwinPage {
   }
 
   private showWhy(): void {
-    const view = whyView(this.#quality, this.#scale);
+    const evaluate = (): void => {
+      this.#evaluation.open = true;
+      this.#evaluation.querySelector('summary')?.focus();
+    };
+    const view = whyView(this.#quality, this.#scale, { twin: this.twin, evaluate });
     this.#why.replaceChildren(...(view === null ? [] : [view]));
   }
 
@@ -166,9 +179,9 @@ class TwinPage {
         ['Springs', count(twin.spring_count)],
         ['Bending triplets', count(twin.triplet_count)],
         ['Control points', count(twin.control_count)],
-        ['Frames per second', twin.fps],
+        ['Frames per second', significant(twin.fps)],
         ['Substeps per frame', twin.substeps],
-        ['Mass', twin.mass_kg === undefined ? 'unknown' : `${twin.mass_kg} kg`],
+        ['Mass', twin.mass_kg === undefined ? 'unknown' : `${significant(twin.mass_kg)} kg`],
         ['File', size(twin.size_bytes)],
         ['Name in the API', h('code', {}, twin.name)],
         ['BLAKE3 of the file', h('code', {}, twin.digest)],

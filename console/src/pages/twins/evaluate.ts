@@ -8,13 +8,13 @@ import { assessmentView, qualityView } from './assessment';
 import type { Quality } from './quality';
 import type { Scale } from './verdict/scale';
 import { reasonsOf } from './verdict/reasons';
-import { reasonTable } from './verdict/why';
+import { adviceView, reasonTable } from './verdict/why';
 
 /** Captures to choose from. */
 const CHOICES = 200;
 
 /** A form that measures a twin on another capture of its object; `scale` has lengths of it, if they are known. */
-export function evaluationView(context: PageContext, twin: Twin, scale: () => Scale | null): HTMLElement {
+export function evaluationView(context: PageContext, twin: Twin, scale: () => Scale | null): HTMLDetailsElement {
   const { api, signal } = context;
   const select = h('select', { required: true });
   const result = h('div', { 'aria-live': 'polite' });
@@ -27,7 +27,9 @@ export function evaluationView(context: PageContext, twin: Twin, scale: () => Sc
       const path = `/v1/${twin.name}/evaluations`;
       const evaluation = await api.send<Evaluation>('POST', path, { capture: select.value }, signal);
       const quality = evaluation.quality as Quality;
-      const parts = [assessmentView(quality), reasonTable(reasonsOf(quality, scale())), qualityView(quality)];
+      const reasons = reasonsOf(quality, scale());
+      const judged = { twin, evaluate: () => select.focus() };
+      const parts = [assessmentView(quality, adviceView(quality, reasons, judged)), reasonTable(reasons), qualityView(quality)];
       result.replaceChildren(...parts.filter((view) => view !== null));
     } catch (error) {
       if (!signal.aborted) result.replaceChildren(problemBox(error));

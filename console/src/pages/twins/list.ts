@@ -6,13 +6,13 @@ import { count, name, time } from '../../ui/format';
 import { list, totalOf } from '../../ui/list';
 import { thumbnail } from '../../ui/thumbnail';
 import { MOST } from '../parts/compare';
+import { ERROR_HELP } from '../parts/error';
 import { tagLinks } from '../parts/labels';
 import { filters } from '../parts/query';
 import { MultiSelection, type Selectable } from '../parts/selection';
 import { take } from '../upload/take';
 import { LEVELS, levelBadge } from './verdict/level';
-import type { Quality } from './quality';
-import { errorText } from './verdict/reasons';
+import { twinErrorCell, type Quality } from './quality';
 
 /** Twins of a page of the list. */
 const PAGE_SIZE = 100;
@@ -40,10 +40,11 @@ export const open: OpenPage = (context) => {
     caption: 'Twins',
     hidesCaption: true,
     noun: 'twin',
+    filtered: shown.words,
     columns: [
       { header: 'Name', orderBy: 'name', cell: (twin) => nameCell(context, selection, twin) },
       { header: 'Verdict', cell: ({ quality }) => levelBadge((quality as Quality).assessment?.level) },
-      { header: 'Error', orderBy: 'error', isNumeric: true, cell: ({ quality }) => errorText(quality as Quality) },
+      { header: 'Error', help: ERROR_HELP, orderBy: 'error', isNumeric: true, cell: twinErrorCell },
       { header: 'Nodes', isNumeric: true, cell: ({ node_count }) => count(node_count) },
       { header: 'Tags', cell: ({ tags }) => tagLinks('twins', tags) },
       { header: 'Created', orderBy: 'create_time', cell: ({ create_time }) => time(create_time) },

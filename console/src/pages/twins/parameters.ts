@@ -3,6 +3,7 @@ import { h } from '../../ui/dom';
 import { facts } from '../../ui/form';
 import { count } from '../../ui/format';
 import { table } from '../../ui/table';
+import { below } from '../parts/error';
 import { settingWord, settingsView } from '../parts/settings_view';
 import { readTwinFile, spreadOf, type TwinFile } from './file';
 
@@ -55,10 +56,8 @@ async function tensorTable(file: TwinFile): Promise<HTMLElement> {
     rows,
     columns: [
       { header: 'Parameter', cell: ({ words: [text] }) => text },
-      { header: 'Median', isNumeric: true, cell: ({ spread }) => word(spread.median) },
-      { header: 'From', isNumeric: true, cell: ({ spread }) => word(spread.low) },
-      { header: 'To', isNumeric: true, cell: ({ spread }) => word(spread.high) },
-      { header: 'Unit', cell: ({ words: [, unit] }) => unit },
+      { header: 'Median', isNumeric: true, cell: ({ words: [, unit = ''], spread }) => [word(spread.median), below(unit)] },
+      { header: 'Nine in ten', isNumeric: true, cell: ({ spread }) => `${word(spread.low)} to ${word(spread.high)}` },
     ],
   });
 }

@@ -23,8 +23,8 @@ export function pythonButton(twin: Pick<Twin, 'name'>): HTMLElement {
   const show = (): void =>
     showDialog(
       'Use in Python',
-      h('p', {}, 'Install the client, a wheel of the release:'),
-      snippet('pip install bendtwin-*.whl', 'installation of the client'),
+      h('p', {}, 'Install the client:'),
+      snippet('pip install bendtwin', 'installation of the client'),
       h('p', {}, 'Then load this twin and predict a motion:'),
       snippet(pythonOf(twin.name, location.origin), 'program that uses this twin'),
       h(

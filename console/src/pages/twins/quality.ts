@@ -1,4 +1,7 @@
+import type { Twin } from '@bendtwin/client';
+import type { Child } from '../../ui/dom';
 import { millimetres } from '../../ui/format';
+import { errorCell, measureWord } from '../parts/error';
 
 /** Errors of a prediction [m]; null where they cannot be measured. */
 export interface Errors {
@@ -131,9 +134,9 @@ export interface Recording {
 export type Measure = keyof Errors;
 
 const MEASURES: readonly (readonly [Measure, string])[] = [
-  ['track_m', 'tracks'],
-  ['coordinate_m', 'coordinates'],
-  ['chamfer_l2_m', 'Chamfer'],
+  ['track_m', measureWord('track')],
+  ['coordinate_m', measureWord('coordinate')],
+  ['chamfer_l2_m', measureWord('chamfer')],
   ['chamfer_l1_m', 'Chamfer L1'],
   ['padded_rms_m', 'padded RMS'],
 ];
@@ -182,15 +185,31 @@ export function measuresOf(rows: readonly Row[]): (readonly [Measure, string])[]
   );
 }
 
-/** A twin's error and its measure in a word, by the rule of `Twin.error_m` (proto/bendtwin/v1/twin.proto). */
-export function headlineOf({ scores }: Quality): { measure: Measure; word: string; error_m: number } | null {
-  const future = scores?.[0]?.future;
+/** An error, its measure and that in a word. */
+export interface Headline {
+  readonly measure: Measure;
+  readonly word: string;
+  readonly error_m: number;
+}
+
+/**
+ * A twin's error with its measure, by the rule of `Twin.error_m` (proto/bendtwin/v1/twin.proto): that on later frames,
+ * or that on fitted ones.
+ */
+export function headlineOf({ scores }: Quality, part: 'future' | 'train' = 'future'): Headline | null {
+  const errors = scores?.[0]?.[part];
   for (const measure of ['track_m', 'coordinate_m', 'chamfer_l2_m'] as const) {
-    const error_m = future?.[measure];
+    const error_m = errors?.[measure];
     const word = MEASURES.find(([own]) => own === measure)?.[1] ?? '';
     if (isNumber(error_m)) return { measure, word, error_m };
   }
   return null;
+}
+
+/** The error of a twin with its measure, as a cell of a list. */
+export function twinErrorCell({ quality }: Pick<Twin, 'quality'>): Child {
+  const headline = headlineOf(quality as Quality);
+  return errorCell(headline?.error_m, headline?.word);
 }
 
 /** The choice of the fit among its starts, in a sentence; null for a single start. */

@@ -72,8 +72,7 @@ function form(context: PageContext, id: string, moment: URLSearchParams, made: (
     h('div', { class: 'shares-form' },
       field('Expires after', days),
       field('For', whom, 'For the list below. Visitors do not see it.')),
-    h('label', {}, exports, ' Allow downloads of the twin'),
-    h('div', { class: 'buttons' }, button),
+    h('div', { class: 'shares-row' }, h('label', {}, exports, ' Allow downloads of the twin'), button),
     place);
 }
 
@@ -91,9 +90,10 @@ function linkField(link: string, hint: string): HTMLElement {
       said.textContent = 'Copy it from the field.';
     }
   };
-  return h('div', { class: 'shares-link' },
-    field('Link', input, hint),
-    h('div', { class: 'row' }, h('button', { type: 'button', onclick: () => void copy() }, 'Copy'), said));
+  const labelled = field('Link', input, hint);
+  input.after(h('button', { type: 'button', onclick: () => void copy() }, 'Copy'));
+  labelled.append(said);
+  return h('div', { class: 'shares-link' }, labelled);
 }
 
 /** The links that are valid. */

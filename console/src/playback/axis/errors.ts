@@ -72,7 +72,12 @@ export class Errors {
 
   /** The frame with the largest error; null where none was measured. */
   get worst(): Place | null {
-    return worstOf(this.main?.values ?? [], 0);
+    return this.main === null ? null : this.worstOf(this.main);
+  }
+
+  /** That by one of the curves. */
+  worstOf({ values }: ErrorCurve): Place | null {
+    return worstOf(values, 0);
   }
 
   /** That of the frames which the twin was not fitted to. */

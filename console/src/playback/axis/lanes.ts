@@ -39,8 +39,9 @@ export interface Span {
 /** Room for the labels left of all lanes, and beside their other end [pixels]. */
 export const LEFT = 58;
 export const RIGHT = 12;
-/** Room for the labels of time below all lanes [pixels]. */
-export const FOOT = 22;
+/** Room for the knob below all lanes, and for the labels of time below that [pixels]. */
+const KNOB = 18;
+export const FOOT = KNOB + 18;
 /** Room above the largest number of a lane [pixels]. */
 const HEAD = 18;
 /** A level up to this many times the largest number of the lines is within the axis; a higher one is named at its edge. */
@@ -194,7 +195,7 @@ function drawTime({ context, colour, x, right }: Pen, { frameCount, fps }: Span,
     const at = x(second * fps);
     stroke(context, colour('--border-strong'), [], [[at, line], [at, line + 4]]);
     context.textAlign = at > right - 14 ? 'right' : 'center';
-    context.fillText(i === 0 ? '0 s' : String(second), at > right - 14 ? right : at, line + 7);
+    context.fillText(i === 0 ? '0 s' : String(second), at > right - 14 ? right : at, line + KNOB + 2);
   });
 }
 

@@ -11,7 +11,7 @@ export class PlaybackFile {
     private readonly path: string,
     private readonly signal: AbortSignal,
     /** The version that the head is of. */
-    private readonly tag: string,
+    readonly tag: string,
     private readonly dataAt: number,
     readonly head: Head,
   ) {}

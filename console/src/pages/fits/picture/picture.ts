@@ -1,9 +1,10 @@
-import { hasEnded, idOf, Problem, type Fit } from '@bendtwin/client';
+import { hasEnded, idOf, Problem, type Fit, type FitPreview } from '@bendtwin/client';
 import type { PageContext } from '../../../page';
+import { errorWords } from '../../parts/error';
 import { h } from '../../../ui/dom';
+import type { Moving } from '../../../view3d/moving/moving';
 import { drawsInSoftware } from '../../../view3d/renderer_kind';
-import type { Moving } from './moving';
-import { errorWords, previewWords, readPreview } from './preview';
+import { previewWords, readPreview } from './preview';
 import type { PreviewScene } from './preview_scene';
 import './picture.css';
 
@@ -25,8 +26,9 @@ export class FitPicture {
   #scene: Moving | null = null;
   /** What is shown, or is being loaded: `recording`, or the name of a twin. */
   #subject = '';
-  /** The error of the preview that is shown, which is another for each. */
-  #shown: number | null = null;
+  /** The preview that is shown, and the error of the fit by which it was asked for: each has another. */
+  #shown: FitPreview | null = null;
+  #error: number | null = null;
   #isAsking = false;
   #preview: Promise<PreviewScene | null> | null = null;
   #moves = !matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -64,13 +66,14 @@ export class FitPicture {
     this.#subject = twin;
     const { api, signal } = this.context;
     try {
-      const { TwinScene } = await import('./twin_scene');
-      const scene = await TwinScene.open(api, twin, signal);
-      if (this.#subject !== twin || signal.aborted) return scene.dispose();
+      const [{ loadShape }, { TurningTwin }] = await Promise.all([
+        import('../../../view3d/shape'), import('../../../view3d/moving/turning_twin'),
+      ]);
+      const shape = await loadShape(api, twin, signal);
+      if (this.#subject !== twin || signal.aborted) return;
       // Without a GPU it would keep a core busy.
       if (drawsInSoftware()) this.#moves = false;
-      scene.stage.controls.addEventListener('start', () => this.#move(false));
-      this.#put(scene);
+      this.#put(new TurningTwin(shape, { label: 'The twin', hasGround: true, onHeld: () => this.#move(false) }));
     } catch (error) {
       // The page says that the twin was deleted, and a page without a picture is complete.
       if (!(error instanceof Problem && error.status === 404)) this.#fail(error);
@@ -84,7 +87,8 @@ export class FitPicture {
       this.#subject = 'recording';
       this.#preview = this.#open(idOf(fit.capture));
     }
-    if (error === null || error === this.#shown || this.#isAsking) return;
+    if (this.#shown !== null) this.#words.textContent = previewWords(this.#shown, hasEnded(fit.job));
+    if (error === null || error === this.#error || this.#isAsking) return;
     this.#isAsking = true;
     try {
       const query = { tensors: 'base64' } as const;
@@ -93,7 +97,7 @@ export class FitPicture {
       await scene?.show(readPreview(reply));
       this.onBaseline(reply.baseline_m);
       if (scene !== null && this.#scene === scene) {
-        this.#shown = error;
+        [this.#shown, this.#error] = [reply, error];
         this.#words.textContent = previewWords(reply, hasEnded(fit.job));
         this.#legend.hidden = false;
         this.element.hidden = false;

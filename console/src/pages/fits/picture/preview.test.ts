@@ -1,7 +1,7 @@
 import { base64, type FitPreview } from '@bendtwin/client';
 import { expect, test } from 'vitest';
-
-import { errorWords, pointsOf, previewWords, readPreview } from './preview';
+import { errorWords } from '../../parts/error';
+import { pointsOf, previewWords, readPreview } from './preview';
 
 const bytes = (values: Int16Array | Uint32Array): string => base64(new Uint8Array(values.buffer));
 
@@ -33,10 +33,12 @@ test('a preview has the points of each of its frames', () => {
 });
 
 test('its errors are in millimetres, with their kind', () => {
-  expect(previewWords(REPLY)).toBe('Now 8.3 mm (tracks), standing still 41 mm.');
-  expect(previewWords({ ...REPLY, held_back_m: 0.0091 })).toBe(
-    'Now 8.3 mm (tracks), standing still 41 mm. On frames held back: 9.1 mm.',
+  expect(previewWords(REPLY)).toBe(
+    'Now 8.3 mm (tracks) on the frames that it is being fitted to, standing still 41 mm.',
   );
-  expect(previewWords(REPLY, true)).toMatch(/^It ended at 8.3 mm/);
+  expect(previewWords({ ...REPLY, held_back_m: 0.0091 })).toBe(
+    'Now 8.3 mm (tracks) on the frames that it is being fitted to, standing still 41 mm. On frames held back: 9.1 mm.',
+  );
+  expect(previewWords(REPLY, true)).toMatch(/^When it ended 8.3 mm \(tracks\) on the frames that it was being fitted to/);
   expect([errorWords(0.004, null), errorWords(null, 'chamfer')]).toEqual(['4 mm', '– (Chamfer)']);
 });

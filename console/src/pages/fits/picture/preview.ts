@@ -1,5 +1,6 @@
 import { floats, indices, type FitPreview } from '@bendtwin/client';
 import { millimetres } from '../../../ui/format';
+import { errorWords } from '../../parts/error';
 
 /** What a fit has so far: P predicted points in F frames of a sequence. */
 export interface Preview {
@@ -10,9 +11,6 @@ export interface Preview {
   /** Points in these frames [m], shape [F, P, 3]. */
   readonly positions: Float32Array;
 }
-
-/** Words for the kinds of error. */
-const MEASURES: Record<string, string> = { track: 'tracks', coordinate: 'coordinates', chamfer: 'Chamfer' };
 
 /** Reads a preview; throws if its arrays do not belong together. */
 export function readPreview(reply: FitPreview): Preview {
@@ -30,20 +28,10 @@ export function pointsOf({ frames, positions }: Preview, index: number): Float32
   return positions.subarray(index * width, (index + 1) * width);
 }
 
-/** A kind of error in a word: tracks, coordinates or Chamfer. */
-export function measureWord(measure: string): string {
-  return MEASURES[measure] ?? measure;
-}
-
-/** An error with its kind, as "8.3 mm (tracks)". */
-export function errorWords(metres: number | null | undefined, measure: string | null | undefined): string {
-  const kind = measure ? ` (${measureWord(measure)})` : '';
-  return `${millimetres(metres)}${kind}`;
-}
-
 /** The errors of a preview in a sentence or two; `hasEnded` is true of a fit that ended without a twin. */
 export function previewWords({ error_m, baseline_m, held_back_m, measure }: FitPreview, hasEnded = false): string {
-  const when = hasEnded ? 'It ended at' : 'Now';
-  const now = `${when} ${errorWords(error_m, measure)}, standing still ${millimetres(baseline_m)}.`;
+  const [when, frames] = hasEnded ? ['When it ended', 'it was being fitted to'] : ['Now', 'it is being fitted to'];
+  const error = `${when} ${errorWords(error_m, measure)} on the frames that ${frames}`;
+  const now = `${error}, standing still ${millimetres(baseline_m)}.`;
   return held_back_m === undefined ? now : `${now} On frames held back: ${millimetres(held_back_m)}.`;
 }

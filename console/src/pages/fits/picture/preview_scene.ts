@@ -7,7 +7,7 @@ import { Motion, type Frame } from '../../../playback/file/motion';
 import { PointsLayer } from '../../../view3d/layers/points';
 import { Ground } from '../../../view3d/place/ground';
 import { Stage } from '../../../view3d/stage';
-import type { Moving } from './moving';
+import type { Moving } from '../../../view3d/moving/moving';
 import { pointsOf, type Preview } from './preview';
 
 /** Colours of recorded and of predicted points, as pages of playbacks have them. */

@@ -1,9 +1,8 @@
 import { badge } from '../../../ui/badge';
-import { h } from '../../../ui/dom';
+import { h, type Child } from '../../../ui/dom';
 import { millimetres } from '../../../ui/format';
 import { prose } from '../../parts/text';
-import { headlineOf, type Quality } from '../quality';
-import { firstSentence } from './reasons';
+import { headlineOf, type Headline, type Quality } from '../quality';
 
 const TONES: Record<string, Parameters<typeof badge>[1]> = {
   good: 'good',
@@ -24,16 +23,16 @@ export function levelBadge(level: string | null | undefined): HTMLElement | stri
 export function verdictLine(quality: Quality): HTMLElement | null {
   const { assessment } = quality;
   if (assessment === undefined) return null;
+  return h('p', { class: 'verdict' }, levelBadge(assessment.level), ' ', h('span', {}, verdictText(quality)));
+}
+
+function verdictText(quality: Quality): Child {
+  const off = ({ error_m, word }: Headline): Child => [h('strong', {}, millimetres(error_m)), ` (${word})`];
   const headline = headlineOf(quality);
-  const text =
-    headline === null
-      ? prose(firstSentence(assessment.why))
-      : [
-          'Off by ',
-          h('strong', {}, millimetres(headline.error_m)),
-          ` (${headline.word}) on frames that it never saw.`,
-        ];
-  return h('p', { class: 'verdict' }, levelBadge(assessment.level), ' ', h('span', {}, text));
+  if (headline !== null) return ['Off by ', off(headline), ' on frames that it never saw.'];
+  const train = headlineOf(quality, 'train');
+  if (train === null) return 'It was not measured yet.';
+  return ['Off by ', off(train), ' on the frames that it was fitted to, which says little of others: none was left over.'];
 }
 
 /** Warnings about a fit or its data. */

@@ -1,7 +1,8 @@
 import { expect, test } from 'vitest';
 
 import type { Errors, Quality } from '../quality';
-import { decisive, errorText, firstSentence, reasonsOf, timesText } from './reasons';
+import { adviceOf } from './advice';
+import { decisive, errorText, reasonsOf, shareText } from './reasons';
 
 const NONE: Errors = { chamfer_l1_m: null, chamfer_l2_m: null, track_m: null, coordinate_m: null };
 
@@ -19,23 +20,28 @@ const QUALITY: Quality = {
 };
 const SCALE = { size_m: 0.277, spacing_m: 0.0303 };
 
-test('each comparison has its number, its relation to the error, and what it would call the twin', () => {
-  const rows = reasonsOf(QUALITY, SCALE).map(({ name, relation, level }) => [name, relation, level]);
+test('each comparison has its number, its measure, the error as a share of it, and what it would call the twin', () => {
+  const rows = reasonsOf(QUALITY, SCALE).map(({ name, measure, share, level }) => [
+    name,
+    measure,
+    share === null ? '' : shareText(share),
+    level,
+  ]);
   expect(rows).toEqual([
-    ['Error on later frames (tracks)', '', null],
-    ['Standing still', '6.83 times less', 'good'],
-    ['Size of the object', '6.6 % of it', 'poor'],
-    ['Spacing of the nodes', '1.66 times less', 'good'],
-    ['Constant-bias correction', '1.06 times more', 'fair'],
-    ['Error on fitted frames', '2.15 times more', 'fair'],
-    ['Springs without bending', '2 times less', null],
+    ['Error on later frames', 'tracks', '', null],
+    ['Standing still', 'tracks', '14.6 %', 'good'],
+    ['Size of the object', 'length', '6.6 %', 'poor'],
+    ['Spacing of the nodes', 'length', '60.4 %', 'good'],
+    ['Constant-bias correction', 'tracks', '106 %', 'fair'],
+    ['Error on fitted frames', 'tracks', '215 %', 'fair'],
+    ['Springs without bending', 'tracks', '50 %', null],
   ]);
 });
 
 test('comparisons without data are left out', () => {
   expect(reasonsOf(QUALITY, null).map(({ name }) => name)).not.toContain('Size of the object');
   expect(reasonsOf({ scores: [score('bending', 0.001, null)] }, SCALE).map(({ name }) => name)).toEqual([
-    'Error on later frames (Chamfer)',
+    'Error on later frames',
     'Size of the object',
     'Spacing of the nodes',
   ]);
@@ -44,20 +50,29 @@ test('comparisons without data are left out', () => {
 
 test('a verdict is due to the comparisons of its level', () => {
   const reasons = reasonsOf(QUALITY, SCALE);
-  expect(decisive(reasons, 'poor')).toEqual(['Size of the object']);
-  expect(decisive(reasons, 'fair')).toEqual(['Constant-bias correction', 'Error on fitted frames']);
-  expect(decisive(reasons, 'good')).toEqual([]);
+  const due = (level: string): string[] => decisive(reasons, level).map(({ of }) => of);
+  expect(due('poor')).toEqual(['size']);
+  expect(due('fair')).toEqual(['bias', 'train']);
+  expect(due('good')).toEqual([]);
 });
 
 test('an error is named with its measure', () => {
   expect(errorText(QUALITY)).toBe('18.3 mm (tracks)');
   expect(errorText({ scores: [score('bending', 0.001, null)] })).toBe('1 mm (Chamfer)');
   expect(errorText({})).toBe('–');
-  expect([timesText(0.001, 0.05), timesText(0.001, 0.001)]).toEqual(['50 times less', 'the same']);
 });
 
-test('the first sentence ends before the reasons, not in a number', () => {
-  expect(firstSentence('The twin is off by 18.3 mm: 6.84 times nearer.')).toBe('The twin is off by 18.3 mm.');
-  expect(firstSentence('The twin was not scored.')).toBe('The twin was not scored.');
-  expect(firstSentence('without an end')).toBe('without an end');
+test('advice is by the first comparison of the level, and none where they do not explain it', () => {
+  const reasons = reasonsOf(QUALITY, SCALE);
+  expect(adviceOf('poor', reasons)?.steps).toEqual(['report', 'starts', 'upload']);
+  const without = (of: string) => reasons.filter((reason) => reason.of !== of);
+  // Without its size the twin is fair by its lasting error alone.
+  expect(adviceOf('fair', without('size'))?.text).toContain('Its error lasts');
+  expect(adviceOf('poor', without('size'))).toBeNull();
+  expect(adviceOf('unknown', [])?.steps).toContain('evaluate');
+  const fair = reasonsOf({ scores: [score('bending', 0.001, 0.012)] }, SCALE);
+  expect(adviceOf('fair', fair)?.steps).toEqual(['finer']);
+  const coarse = reasonsOf({ scores: [score('bending', 0.001, 0.012)] }, { ...SCALE, spacing_m: 0.01 });
+  expect(adviceOf('fair', coarse)?.text).toContain('more nodes hardly');
+  expect(adviceOf('good', reasonsOf({ scores: [score('bending', 0.001, 0.002)] }, SCALE))?.text).toContain('Use it');
 });

@@ -4,12 +4,18 @@ import type { Scale } from './scale';
 
 export type Level = 'good' | 'fair' | 'poor';
 
+/** What the error is compared with. */
+export type Compared = 'error' | 'still' | 'size' | 'spacing' | 'bias' | 'train' | 'axial';
+
 /** A number that the verdict compares the twin's error with. */
 export interface Reason {
+  readonly of: Compared;
   readonly name: string;
   readonly value_m: number;
-  /** The error relative to this number, in words; empty for the error itself. */
-  readonly relation: string;
+  /** The measure of an error in a word; `length` of a length. */
+  readonly measure: string;
+  /** The error as a share of this number; null for the error itself. */
+  readonly share: number | null;
   /** What the comparison alone would call the twin; null if it does not decide. */
   readonly level: Level | null;
   readonly meaning: string;
@@ -18,6 +24,11 @@ export interface Reason {
 /** Bounds of a good twin and of a fair one: docs/use/accuracy.md, Verdict of a twin. */
 const OF_SIZE = [0.03, 0.06] as const;
 const OF_STANDING_STILL = [0.2, 0.33] as const;
+
+/** Those that are lengths; others are errors. */
+const LENGTHS: readonly Compared[] = ['size', 'spacing'];
+/** Numbers below this have no ratio [m]. */
+const LEAST_M = 1e-6;
 
 /** What an error is a mean of, by measure. */
 const MEANINGS: Partial<Record<Measure, string>> = {
@@ -41,62 +52,55 @@ export function reasonsOf(quality: Quality, scale: Scale | null): Reason[] {
   const train = own?.train[measure];
   const size = scale !== null && scale.size_m > 0 ? scale.size_m : null;
   const spacing = scale !== null && scale.spacing_m > 0 ? scale.spacing_m : null;
-  const reason = (name: string, value_m: number | null | undefined, of: (value: number) => Omit<Reason, 'name' | 'value_m'>): Reason[] =>
-    typeof value_m === 'number' ? [{ name, value_m, ...of(value_m) }] : [];
+  const reason = (
+    of: Compared,
+    name: string,
+    value_m: number | null | undefined,
+    rest: (value: number) => Pick<Reason, 'level' | 'meaning'>,
+  ): Reason[] => {
+    if (typeof value_m !== 'number') return [];
+    const share = of === 'error' ? null : error_m / Math.max(value_m, LEAST_M);
+    return [{ of, name, value_m, measure: LENGTHS.includes(of) ? 'length' : word, share, ...rest(value_m) }];
+  };
   return [
-    ...reason(`Error on later frames (${word})`, error_m, () => ({
-      relation: '',
+    ...reason('error', 'Error on later frames', error_m, () => ({
       level: null,
       meaning: `${MEANINGS[measure] ?? 'Mean error'}, over frames that it was not fitted to.`,
     })),
-    ...reason('Standing still', still, (value) => ({
-      relation: timesText(error_m, value),
+    ...reason('still', 'Standing still', still, (value) => ({
       level: levelOf(error_m / value, OF_STANDING_STILL),
       meaning: 'Error if the object did not move. Good up to 20 % of it, fair up to 33 %.',
     })),
-    ...reason('Size of the object', size, (value) => ({
-      relation: `${shareText(error_m / value)} of it`,
+    ...reason('size', 'Size of the object', size, (value) => ({
       level: levelOf(error_m / value, OF_SIZE),
       meaning: 'Diagonal of the box around the object at rest. Good up to 3 % of it, fair up to 6 %.',
     })),
-    ...reason('Spacing of the nodes', spacing, (value) => ({
-      relation: timesText(error_m, value),
+    ...reason('spacing', 'Spacing of the nodes', spacing, (value) => ({
       level: error_m <= value ? 'good' : 'fair',
-      meaning: 'Distance between neighbouring nodes. A larger error is one of motion, which more nodes do not lower.',
+      meaning: 'Distance between neighbouring nodes. Good up to 100 %: a larger error is one of motion, which more nodes do not lower.',
     })),
-    ...reason('Constant-bias correction', constant, (value) => ({
-      relation: timesText(error_m, value),
+    ...reason('bias', 'Constant-bias correction', constant, (value) => ({
       level: error_m <= value ? 'good' : 'fair',
-      meaning: 'The twin with its error in the last fitted frame added to all later ones. If that is nearer, its error lasts.',
+      meaning:
+        'The twin with its error in the last fitted frame added to all later ones. Good up to 100 %: if the correction is nearer, ' +
+        'the error lasts.',
     })),
-    ...reason('Error on fitted frames', train, (value) => ({
-      relation: timesText(error_m, value),
+    ...reason('train', 'Error on fitted frames', train, (value) => ({
       level: levelOf(size === null ? 0 : value / size, OF_SIZE),
-      meaning: 'How well it follows the frames that it was fitted to. Good up to 3 % of the size, fair up to 6 %.',
+      meaning:
+        `How well it follows the frames that it was fitted to.${size === null ? '' : ` It is ${shareText(value / size)} of the size:`}` +
+        ' good up to 3 % of the size, fair up to 6 %.',
     })),
-    ...reason('Springs without bending', axial, (value) => ({
-      relation: timesText(error_m, value),
+    ...reason('axial', 'Springs without bending', axial, () => ({
       level: null,
       meaning: 'The same fit without resistance to bending. This comparison does not decide.',
     })),
   ];
 }
 
-/** Names of the comparisons that a verdict of this level is due to; of a good one, none. */
-export function decisive(reasons: readonly Reason[], level: string): string[] {
-  return level === 'good' ? [] : reasons.filter((reason) => reason.level === level).map(({ name }) => name);
-}
-
-/** The error relative to another length, as "6.8 times less". */
-export function timesText(error_m: number, other_m: number): string {
-  const [ratio, word] = error_m <= other_m ? [other_m / Math.max(error_m, 1e-6), 'less'] : [error_m / other_m, 'more'];
-  return ratio < 1.005 ? 'the same' : `${ratio < 10 ? Number(ratio.toPrecision(3)) : Math.round(ratio)} times ${word}`;
-}
-
-/** The first sentence of a verdict up to its colon: what the twin is worth in one number. */
-export function firstSentence(why: string): string {
-  const end = /[:.](?=\s|$)/.exec(why);
-  return end === null ? why : `${why.slice(0, end.index)}.`;
+/** The comparisons that a verdict of this level is due to; of a good one, none. */
+export function decisive(reasons: readonly Reason[], level: string): Reason[] {
+  return level === 'good' ? [] : reasons.filter((reason) => reason.level === level);
 }
 
 /** A twin's error and the measure that it was found by, as "6.1 mm (tracks)"; a dash if it has none. */
@@ -105,8 +109,10 @@ export function errorText(quality: Quality): string {
   return headline === null ? '–' : `${millimetres(headline.error_m)} (${headline.word})`;
 }
 
-function shareText(share: number): string {
-  return `${(100 * share).toFixed(1)} %`;
+/** A share with three digits, as 6.6 % or 146 %. */
+export function shareText(share: number): string {
+  const value = 100 * share;
+  return `${value >= 100 ? value.toFixed(0) : Number(value.toPrecision(value < 10 ? 2 : 3))} %`;
 }
 
 function levelOf(ratio: number, [good, fair]: readonly [number, number]): Level {

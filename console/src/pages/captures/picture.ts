@@ -1,0 +1,9 @@
+import type { Capture } from '@bendtwin/client';
+import type { PageContext } from '../../page';
+import { placeholder, thumbnail } from '../../ui/thumbnail';
+import { mayHavePicture } from './state';
+
+/** The small picture of a capture; none is asked for where there certainly is none. */
+export function capturePicture({ api, signal }: PageContext, capture: Capture): HTMLElement {
+  return mayHavePicture(capture) ? thumbnail(api, `/v1/${capture.name}/thumbnail`, '', signal) : placeholder();
+}
