@@ -83,12 +83,12 @@ class Engine:
         self.name = name
 
     @classmethod
-    def find(cls) -> "Engine":
-        """The one that runs."""
-        for name in ("docker", "podman"):
+    def find(cls, names: list[str]) -> "Engine":
+        """The first of these that runs."""
+        for name in names:
             if works(name, "info"):
                 return cls(name)
-        raise Unavailable("neither docker nor podman runs")
+        raise Unavailable(f"{' and '.join(names)} cannot be used here: no engine runs")
 
     def __call__(self, *arguments: str | Path, quiet: bool = False, allow: bool = False) -> str:
         """Runs a command of the engine and returns its output."""
@@ -106,6 +106,12 @@ class Engine:
         """Refuses an engine that answers but starts nothing, as in some sandboxes."""
         if not works(self.name, "run", "--rm", "--entrypoint", "true", image):
             raise Unavailable(f"{self.name} runs, but cannot start a container")
+        if self.name == "podman" and not Path("/run/systemd/system").exists():
+            raise Unavailable("podman has systemd run the health checks, which this machine lacks")
+
+    def has_gpu(self, image: str) -> bool:
+        """True if a container gets a GPU of NVIDIA."""
+        return works(self.name, "run", "--rm", "--gpus", "all", "--entrypoint", "true", image)
 
     def import_program(self, program: Path, image: str) -> None:
         """Makes an image that has nothing but a program at /usr/local/bin/bendtwin."""
@@ -120,7 +126,7 @@ class Engine:
             raise Failure(f"{self.name} cannot import {program}")
 
     def build(self, image: str, arguments: dict[str, str], target: str = "cpu") -> None:
-        """Builds a target of the Dockerfile with whatever builder there is."""
+        """Builds a target of the Dockerfile with a builder of this machine."""
         options = [
             "--file",
             str(DOCKERFILE),
@@ -134,7 +140,8 @@ class Engine:
         for name, value in arguments.items():
             options += ["--build-arg", f"{name}={value}"]
         if self.name == "podman":
-            call("podman", "build", "--pull=never", *options, ROOT)
+            # OCI's own format has no health checks.
+            call("podman", "build", "--pull=never", "--format=docker", *options, ROOT)
         elif works("docker", "buildx", "version"):
             call("docker", "buildx", "build", "--load", *options, ROOT)
         elif self.client_version() in BUILDKIT_INSIDE:
@@ -173,7 +180,7 @@ def tagged(image: str) -> str:
 
 
 class Project:
-    """Services of compose files under a name of their own, which leave nothing behind."""
+    """Services of compose files under a separate name, which leave nothing behind."""
 
     def __init__(self, engine: Engine, name: str, files: list[Path], env: dict[str, str]) -> None:
         self.engine, self.name, self.env = engine, name, env

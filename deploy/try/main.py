@@ -3,8 +3,9 @@
     deploy/try/run                      compiles the program in the image: some 20 minutes
     deploy/try/run --program FILE       takes a program that was built on this machine
     deploy/try/run --stand-ins          takes images of base-images, without asking a registry
+    deploy/try/run --engine podman      takes this engine, otherwise the first that runs
 
-It uses whatever engine runs, and ends with 0 if all went well, 1 if something is wrong, and 3 if
+It ends with 0 if all went well, 1 if something is wrong, and 3 if
 this machine cannot run it, with the reason in its last line. What it starts has separate names
 (bendtwin-try-...), and is removed at the end; images are kept, so that the next run is shorter.
 """
@@ -22,6 +23,7 @@ import stories
 from engine import DEPLOY, DOCKERFILE, Engine, Failure, Unavailable, call, compose, works
 
 CANNOT_RUN = 3
+ENGINES = ["docker", "podman"]
 IMAGE = "bendtwin-try/bendtwin"
 CUDA_IMAGE = "bendtwin-try/bendtwin:cuda"
 PROGRAM_IMAGE = "bendtwin-try/program"
@@ -36,9 +38,14 @@ def step(title: str) -> None:
     print(f"== {title}", flush=True)
 
 
+def defaults() -> dict[str, str]:
+    """The images that the Dockerfile names."""
+    return dict(re.findall(r"^ARG (\w+_IMAGE)=(\S+)", DOCKERFILE.read_text(), re.MULTILINE))
+
+
 def base_images(engine: Engine, may_pull: bool, with_rust: bool) -> dict[str, str]:
     """Images to start from, as arguments of the build; none if those of the file can be had."""
-    named = re.findall(r"^ARG (\w+_IMAGE)=(\S+)", DOCKERFILE.read_text(), re.MULTILINE)
+    named = defaults().items()
     if may_pull and all(
         engine.pulls(image) for name, image in named if name != "RUST_IMAGE" or with_rust
     ):
@@ -48,7 +55,8 @@ def base_images(engine: Engine, may_pull: bool, with_rust: bool) -> dict[str, st
     if not engine.has_image("bendtwin-try/services") and not can_make:
         raise Unavailable("no image registry is reached, and base images take root and debootstrap")
     print(call(HERE / "base-images", engine.name, *(["rust"] if with_rust else [])), end="")
-    return {"DEBIAN_IMAGE": "bendtwin-try/debian", "RUST_IMAGE": "bendtwin-try/rust"}
+    rust = {"RUST_IMAGE": "bendtwin-try/rust"} if with_rust else {}
+    return {"DEBIAN_IMAGE": "bendtwin-try/debian", **rust}
 
 
 def use_program(engine: Engine, program: Path) -> dict[str, str]:
@@ -86,12 +94,13 @@ def main() -> int:
     )
     parser.add_argument("--program", type=Path)
     parser.add_argument("--stand-ins", action="store_true")
+    parser.add_argument("--engine", choices=ENGINES)
     options = parser.parse_args()
     try:
-        engine = Engine.find()
+        engine = Engine.find([options.engine] if options.engine else ENGINES)
         print(f"{engine.name} with {' '.join(compose(engine))}", flush=True)
         arguments = base_images(engine, not options.stand_ins, with_rust=options.program is None)
-        engine.require_containers(arguments.get("DEBIAN_IMAGE", "debian"))
+        engine.require_containers(arguments.get("DEBIAN_IMAGE", defaults()["DEBIAN_IMAGE"]))
         stand_ins = [HERE / "stand-ins.yaml"] if arguments else []
         if options.program:
             arguments |= use_program(engine, options.program)
@@ -106,10 +115,10 @@ def main() -> int:
         stories.fleet(engine, [FLEET, HERE / "fleet.yaml", *stand_ins], env, name)
         step("compose.gpu.yaml")
         stories.has_compiler(engine, CUDA_IMAGE)
-        if works("nvidia-smi"):
+        if engine.has_gpu(CUDA_IMAGE):
             stories.on_gpu(engine, [ONE_MACHINE, GPU], {"BENDTWIN_IMAGE": CUDA_IMAGE}, name)
         else:
-            print("   SKIPPED: fits in the image for GPUs, since this machine has none", flush=True)
+            print("   SKIPPED: fits in the image for GPUs, since no container gets one", flush=True)
     except Unavailable as reason:
         print(f"cannot run here: {reason}")
         return CANNOT_RUN

@@ -236,7 +236,7 @@ def keys_are_apart(project: Project) -> None:
     }.items():
         found = project.inside(service, "bash", "-c", "cd /certificates && echo *.key").split()
         require(found == [f"{own}.key"], f"{service} can read {found}")
-    say("each service has its own key alone, and none that of the authority")
+    say("each service has its own key alone, without that of the authority")
 
 
 def workers(project: Project) -> dict[str, dict[str, Any]]:

@@ -16,7 +16,7 @@ use clap::Args;
 use self::check::{Check, State};
 use crate::{failure::Failed, global::Global, output, server::Server};
 
-/// Its options are those of the server on this machine, from the same variables and the same file.
+/// Options of the diagnosis: those of the server on this machine, from the same variables and the same file.
 #[derive(Debug, Args)]
 pub(crate) struct Doctor {
     /// Certificate of a worker on this machine

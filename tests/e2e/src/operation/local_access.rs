@@ -106,7 +106,7 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     assert!(!left.exists(), "the token of a server that has ended is left");
 }
 
-/// As in the image of the container, whose output is no terminal.
+/// The image of the container starts so; its output is no terminal.
 #[tokio::test]
 async fn a_server_that_is_published_locally_prints_a_link_that_logs_in() {
     let folder = tempfile::Builder::new().prefix("bendtwin-e2e-").tempdir().unwrap();
