@@ -8,7 +8,7 @@ export default defineConfig({
   resolve: { tsconfigPaths: true },
   build: {
     target: 'es2023',
-    // Everything comes as a file of its own: the policy of the page allows nothing inline.
+    // Everything comes as a separate file: the policy of the page allows nothing inline.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,

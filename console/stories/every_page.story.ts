@@ -6,7 +6,7 @@ import { fittedRope } from './kit/rope';
 import { browser, server, withServer } from './kit/server';
 import { Visit } from './kit/visit';
 
-/** Routes that need more than something stored: a play that is under way has a story of its own. */
+/** Routes that need more than something stored: a play that is under way has its own story. */
 const ELSEWHERE = ['/plays/:id'];
 
 describe('every page', () => {

@@ -23,7 +23,7 @@ describe('the playground', () => {
     return visit;
   }
 
-  it('lets one drag the rope at once, and drop it', async () => {
+  it('lets one drag the rope immediately, and drop it', async () => {
     const visit = await play();
     const { page } = visit;
     await page.getByText('Drag the object or a gripper').waitFor();

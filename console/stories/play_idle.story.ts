@@ -13,7 +13,7 @@ describe('a play that nobody touches', () => {
   withServer(['--client-token', 'none', '--config', config]);
   afterAll(() => rmSync(folder, { recursive: true }));
 
-  it('ends, and goes on from there when one wants to', async () => {
+  it('ends, and resumes when one wants to', async () => {
     const twin = await fittedRope(server);
     const visit = await Visit.open(browser, server, { at: `/twins/${twin}/play` });
     const { page } = visit;

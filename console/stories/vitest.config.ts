@@ -16,7 +16,7 @@ class LongestFirst extends BaseSequencer {
   }
 }
 
-/** Stories in Chromium, each file with a server of its own. */
+/** Stories in Chromium, each file with its own server. */
 export default defineConfig({
   resolve: { tsconfigPaths: true },
   test: {
@@ -28,7 +28,7 @@ export default defineConfig({
     hookTimeout: 1_200_000,
     // Bounds, not expectations: what is waited for comes late where other programs take the processor.
     expect: { poll: { timeout: 60_000 } },
-    // Chromium draws in software: more than two at once would be slow, not quicker.
+    // Chromium draws in software: more than two together would be slower.
     maxWorkers: 2,
     sequence: { sequencer: LongestFirst },
     reporters: ['verbose'],

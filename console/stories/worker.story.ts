@@ -17,7 +17,7 @@ describe('a fit that asks for a worker', () => {
   });
   afterAll(() => rmSync(files, { recursive: true }));
 
-  it('is offered what the workers have, and told whether one can take it', async () => {
+  it('is offered what the workers have, and learns whether one can take it', async () => {
     const visit = await Visit.open(browser, server, { at: `/fits/new?capture=${capture.split('/')[1]}` });
     const { page } = visit;
     await visit.heading('Start a fit');

@@ -22,7 +22,7 @@ export async function settled(page: Page): Promise<Picture> {
     if (changed(last, next, 8).length === 0) return next;
     last = next;
   }
-  throw new Error('the picture goes on changing');
+  throw new Error('the picture keeps changing');
 }
 
 /** What a person sees of an area of the page, by default of the 3D view. */
