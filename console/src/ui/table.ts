@@ -72,7 +72,8 @@ function framed(caption: string, content: HTMLTableElement): HTMLElement {
   let needed = 0;
   const measure = (): void => {
     if (!frame.classList.contains('stacked')) needed = content.offsetWidth;
-    frame.classList.toggle('stacked', matchMedia(SMALL).matches && needed > frame.clientWidth);
+    const hasRows = (content.tBodies[0]?.rows.length ?? 0) > 0;
+    frame.classList.toggle('stacked', hasRows && matchMedia(SMALL).matches && needed > frame.clientWidth);
     const fits = content.offsetWidth <= frame.clientWidth;
     frame.classList.toggle('fits', fits);
     if (fits) frame.removeAttribute('tabindex');

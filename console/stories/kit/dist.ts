@@ -1,3 +1,4 @@
+import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import type { BrowserContext } from 'playwright-core';
@@ -18,6 +19,8 @@ export async function serveDist(context: BrowserContext, url: string): Promise<v
     (route) => {
       const { pathname } = new URL(route.request().url());
       const path = join(DIST, pathname.startsWith('/assets/') ? pathname : 'index.html');
+      // A page that another site leads to comes from the server itself, and asks for the server's files.
+      if (!existsSync(path)) return route.fallback();
       return route.fulfill({ path, headers: { 'content-security-policy': policy } });
     },
   );

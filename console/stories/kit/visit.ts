@@ -73,6 +73,9 @@ export class Visit {
   /** Errors that belong to the story, such as a request to a server that was killed. */
   allow(...patterns: RegExp[]): void {
     this.allowed.push(...patterns);
+    // The page may have been quicker than the story.
+    const others = this.faults.filter((fault) => !patterns.some((pattern) => pattern.test(fault)));
+    this.faults.splice(0, this.faults.length, ...others);
   }
 
   /** Waits until the heading says this. */
