@@ -24,7 +24,7 @@ impl Options {
     /// Faults of the public address.
     pub(super) fn public_url_faults(&self) -> Vec<String> {
         let Some(text) = &self.public_url else { return Vec::new() };
-        let url = Url::parse(text).ok().filter(|url| is_origin(url));
+        let url = Url::parse(text).ok().filter(is_origin);
         let Some((url, host)) = url.as_ref().and_then(|url| Some((url, url.host_str()?))) else {
             return vec![format!(
                 "public_url is `{text}`: give the scheme, the name and the port, as in \
