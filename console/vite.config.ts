@@ -12,8 +12,9 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
-    // What all pages share comes with the frame, in one file instead of one for each module.
-    rolldownOptions: { checks: { pluginTimings: false }, output: { codeSplitting: { groups: [{ name: 'shared', test: /console[\\/]src[\\/](api|ui)[\\/]|client[\\/]typescript[\\/]/ }] } } },
+    // What all pages share comes with the frame, in one file instead of one for each module; what only pages of
+    // twins read does not.
+    rolldownOptions: { checks: { pluginTimings: false }, output: { codeSplitting: { groups: [{ name: 'shared', test: /console[\\/]src[\\/](api|ui)[\\/]|client[\\/]typescript[\\/]src[\\/](?!twin_file|tensor)/ }] } } },
   },
   server: { fs: { allow: ['..'] }, proxy: { '/v1': { target: server, ws: true }, '/metrics': server, '/healthz': server } },
   test: { include: ['src/**/*.test.ts', '../client/typescript/src/**/*.test.ts'], environment: 'node' },
