@@ -118,7 +118,7 @@ async fn a_server_that_is_published_locally_prints_a_link_that_logs_in() {
         .args(["--public-url", "http://127.0.0.1:8080/", "--port-file"])
         .args([path("port").as_os_str(), "--data-dir".as_ref(), path("data").as_os_str()])
         .env("XDG_STATE_HOME", path("state"));
-    let _server = processes.start(&mut command, &path("log"));
+    let mut server = processes.start(&mut command, &path("log"));
     let log = until("the link", START, async || {
         std::fs::read_to_string(path("log")).ok().filter(|log| log.contains("/#/?token="))
     })
@@ -132,4 +132,6 @@ async fn a_server_that_is_published_locally_prints_a_link_that_logs_in() {
     list.env("XDG_STATE_HOME", path("nothing"));
     assert!(!list.output().unwrap().status.success());
     assert!(list.env("BENDTWIN_TOKEN", token.lines().next().unwrap()).status().unwrap().success());
+    server.kill().unwrap();
+    server.wait().unwrap();
 }
