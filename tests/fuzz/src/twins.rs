@@ -18,7 +18,11 @@ pub fn twin(data: &[u8]) {
 /// A checkpoint in its envelope.
 pub fn checkpoint(data: &[u8]) {
     let (kind, owner) = CHECKPOINT;
-    if let Ok(payload) = kind.open(data, &owner) {
-        assert_eq!(kind.seal(&owner, payload), data);
-    }
+    let Ok(payload) = kind.open(data, &owner) else { return };
+    let sealed = kind.seal(&owner, payload);
+    assert_eq!(kind.open(&sealed, &owner).expect("what was sealed is opened"), payload);
+    // Between kind and payload stands the name of the program, which may have been another version.
+    let head = kind.magic.len() + size_of_val(&kind.version) + owner.len();
+    assert_eq!(sealed[..head], data[..head]);
+    assert!(data.ends_with(payload));
 }
