@@ -122,7 +122,7 @@ describe('fits and twins', () => {
     for (const name of ['long', 'waiting']) await page.getByRole('checkbox', { name: `Select ${name}` }).check();
     await page.getByText('2 fits selected').waitFor();
     await visit.stop('fits-selected');
-    // It asks, as before something is deleted.
+    // Cancelling asks first, as deleting does.
     const question = page.getByRole('dialog', { name: 'Cancel 2 fits?' });
     await page.getByRole('button', { name: 'Cancel' }).click();
     await question.getByRole('button', { name: 'Keep them' }).click();

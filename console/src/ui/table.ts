@@ -51,7 +51,7 @@ export function table<Row>(options: TableOptions<Row>): HTMLElement {
     caption,
     h(
       'table',
-      // Its elements are named, for those that are laid out as blocks are taken for something else.
+      // Roles are explicit: laid out as blocks, elements of tables lose theirs.
       { role: 'table' },
       h('caption', { class: hidden }, caption),
       h('thead', { role: 'rowgroup' }, groupRow(columns), h('tr', { role: 'row' }, ...columns.map((column) => header(column, options)))),

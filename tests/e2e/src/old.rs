@@ -129,7 +129,7 @@ async fn listed(version: &Version, http: &Http) {
         let page = http.get_json(path).await;
         for old in version.entries(path) {
             let new = entries(&page).iter().find(|new| new["name"] == old["name"]);
-            // It runs meanwhile.
+            // The fit runs meanwhile.
             let mut old = old.clone();
             if old["name"] == version.record["unfinished"] {
                 old.as_object_mut().unwrap().retain(|fact, _| fact == "capture" || fact == "name");

@@ -3,7 +3,7 @@ import type { PageContext } from '../../page';
 import { placeholder, thumbnail } from '../../ui/thumbnail';
 import { mayHavePicture } from './state';
 
-/** The small picture of a capture; none is asked for where there certainly is none. */
+/** The small picture of a capture; a placeholder where it cannot have one. */
 export function capturePicture({ api, signal }: PageContext, capture: Capture): HTMLElement {
   return mayHavePicture(capture) ? thumbnail(api, `/v1/${capture.name}/thumbnail`, '', signal) : placeholder();
 }
