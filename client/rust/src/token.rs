@@ -82,14 +82,20 @@ pub fn create_private(path: &Path) -> io::Result<std::fs::File> {
     options.open(path)
 }
 
-/// The token that a server on this machine left.
-fn left(url: &Url) -> Option<String> {
+/// The port of a server on this machine; `None` for the address of any other, which may not get the token of one here.
+pub fn local_port(url: &str) -> Option<u16> {
+    let url = Url::parse(url).ok()?;
     let host = url.host_str()?;
     let address = host.trim_matches(['[', ']']).parse::<IpAddr>();
     if !host.eq_ignore_ascii_case("localhost") && !address.is_ok_and(|ip| ip.is_loopback()) {
         return None;
     }
-    let text = std::fs::read_to_string(path(url.port_or_known_default()?)?).ok()?;
+    url.port_or_known_default()
+}
+
+/// The token that a server on this machine left.
+fn left(url: &Url) -> Option<String> {
+    let text = std::fs::read_to_string(path(local_port(url.as_str())?)?).ok()?;
     Some(text.trim().to_owned()).filter(|token| !token.is_empty())
 }
 

@@ -1,9 +1,6 @@
 //! The address of a server, and the server that answers at the address of the client.
 
-use std::{
-    io::ErrorKind,
-    net::{IpAddr, SocketAddr},
-};
+use std::{io::ErrorKind, net::SocketAddr};
 
 use bendtwin_client::{Category, Client, Readiness, Worker, token};
 use bendtwin_core::BUILD;
@@ -60,13 +57,7 @@ async fn connect(global: &Global, options: &Options) -> anyhow::Result<Client> {
 
 /// True for the URL of a server on this machine, at the port of this address: no other one may get its token.
 fn is_own(url: &str, listen: SocketAddr) -> bool {
-    let authority = url.split_once("://").map(|(_, rest)| rest.trim_end_matches('/'));
-    let Some((host, port)) = authority.and_then(|authority| authority.rsplit_once(':')) else {
-        return false;
-    };
-    let ip = host.trim_matches(['[', ']']).parse::<IpAddr>();
-    port.parse() == Ok(listen.port())
-        && (host == "localhost" || ip.is_ok_and(|ip| ip.is_loopback()))
+    token::local_port(url) == Some(listen.port())
 }
 
 /// Checks of the server that commands talk to; one note if none answers.
