@@ -28,8 +28,8 @@ import { Prediction } from './prediction';
 import { Scene } from './scene';
 import { terms } from './terms';
 import { Transport } from './transport';
-import { worstButtons } from './worst';
-import { note, worstOfAllButton } from './worst_of_all';
+import { worstButtons } from './worst/buttons';
+import { note, worstOfAllButton } from './worst/all_sequences';
 
 /** Time after the last change after which the address names the moment [ms]. */
 const ADDRESS_MS = 300;

@@ -1,6 +1,6 @@
-import { h } from '../ui/dom';
-import { millimetres } from '../ui/format';
-import type { Errors, Place } from './axis/errors';
+import { h } from '../../ui/dom';
+import { millimetres } from '../../ui/format';
+import type { Errors, Place } from '../axis/errors';
 
 /**
  * Buttons that show the frames with the largest errors of a sequence: of all, and of those that were not fitted to.

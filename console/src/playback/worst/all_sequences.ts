@@ -1,10 +1,10 @@
-import type { PageContext } from '../page';
-import { h } from '../ui/dom';
-import { millimetres } from '../ui/format';
-import { Errors, type Place } from './axis/errors';
-import { sequenceText } from './choices';
-import type { Head } from './file/head';
-import { Prediction, type FrameErrors } from './prediction';
+import type { PageContext } from '../../page';
+import { h } from '../../ui/dom';
+import { millimetres } from '../../ui/format';
+import { Errors, type Place } from '../axis/errors';
+import { sequenceText } from '../choices';
+import type { Head } from '../file/head';
+import { Prediction, type FrameErrors } from '../prediction';
 
 /** The worst frames of a sequence by each measure; a measure that it has not is left out. */
 export type WorstPlaces = Partial<Record<keyof FrameErrors, Place>>;

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 
-import { worstOf } from './worst_of_all';
+import { worstOf } from './all_sequences';
 
 test('the worst frame is that of the sequence with the largest error of the same measure', () => {
   const all = [
