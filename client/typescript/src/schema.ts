@@ -824,6 +824,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/sessions/{id}/render": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Render session
+         * @description Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes.
+         */
+        post: operations["RenderSession"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/sessions/{id}/reset": {
         parameters: {
             query?: never;
@@ -1674,25 +1694,34 @@ export interface components {
             tracking?: components["schemas"]["Tracking"];
         };
         Cost: {
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             clearance?: components["schemas"]["Cost.Clearance"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             control_path?: components["schemas"]["Cost.ControlPath"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             control_speed?: components["schemas"]["Cost.ControlSpeed"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
+            coverage?: components["schemas"]["Cost.Coverage"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             force?: components["schemas"]["Cost.Force"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             height?: components["schemas"]["Cost.Height"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             keypoints?: components["schemas"]["Cost.Keypoints"];
             /** @description Name in replies; default `cost{index}`. Names must differ; at most 128 bytes each. */
             name?: string;
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
+            order?: components["schemas"]["Cost.Order"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             smoothness?: components["schemas"]["Cost.Smoothness"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             strain?: components["schemas"]["Cost.Strain"];
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /**
+             * Format: double
+             * @description Condition of success: the value of the cost after the last frame, without its weight and regardless of `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one (RollOutResponse.successes). Not for costs of forces, of smoothness, or of control points. A condition has no gradient.
+             */
+            success_at_most?: number;
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             target_cloud?: components["schemas"]["Cost.TargetCloud"];
             /**
              * Format: double
@@ -1709,7 +1738,9 @@ export interface components {
              * @enum {string}
              */
             when?: "LAST_FRAME" | "EVERY_FRAME" | "SOFT_MIN";
-            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed may be given. */
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
+            winding?: components["schemas"]["Cost.Winding"];
+            /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             within?: components["schemas"]["Cost.Within"];
         };
         /** @description Mean over nodes of max(0, margin - distance)^2 to a collider of the request, square metres. */
@@ -1725,6 +1756,21 @@ export interface components {
         "Cost.ControlSpeed": {
             /** Format: double */
             limit_m_s?: number;
+        };
+        /** @description Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)) with the distance d to the nearest point of the twin's surface. */
+        "Cost.Coverage": {
+            /**
+             * @description Points of the surface: SKIN, the default, or NODES for the surface nodes.
+             * @enum {string}
+             */
+            point_set?: "NODES" | "SKIN";
+            /** @description FLOAT32 [M, 3], metres. */
+            points?: components["schemas"]["Tensor"];
+            /**
+             * Format: float
+             * @description Above 0; about half the spacing of the surface's points.
+             */
+            reach_m?: number;
         };
         /** @description max(0, |f| - limit)^2 of the mean force over a frame, square newtons (per unit mass without a mass_kg). */
         "Cost.Force": {
@@ -1768,6 +1814,18 @@ export interface components {
             /** @description FLOAT32 [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3], metres, like the points of a target cloud. */
             targets?: components["schemas"]["Tensor"];
         };
+        /** @description Order of nodes along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) - x))^2, square metres. 0 if each node is at least `gap_m` ahead of the one before it. */
+        "Cost.Order": {
+            /** @description Unit vector, three numbers. */
+            direction?: number[];
+            /**
+             * Format: float
+             * @description At least 0.
+             */
+            gap_m?: number;
+            /** @description UINT32 [M], M >= 2. */
+            nodes?: components["schemas"]["Tensor"];
+        };
         /** @description Mean squared second difference of node positions over three frames, square metres. */
         "Cost.Smoothness": Record<string, never>;
         /** @description Mean over springs of the material of max(0, |strain| - limit)^2. */
@@ -1784,6 +1842,28 @@ export interface components {
             point_set?: "NODES" | "SKIN";
             /** @description FLOAT32 [M, 3], metres, or [F, M, 3] by frame (with EVERY_FRAME or SOFT_MIN), or [B, 1, M, 3] or [B, F, M, 3] by instance as well. */
             points?: components["schemas"]["Tensor"];
+        };
+        /** @description Winding of a chain of nodes around a straight line: (turns - wanted turns)^2. The turns are the sum of the angles between neighbours in the list as seen along the line, over 2 pi; positive is counter-clockwise seen against its direction. The gradient is that of the angles; it jumps where the chain crosses the line. */
+        "Cost.Winding": {
+            /** @description Only one of axis, collider may be given. */
+            axis?: components["schemas"]["Cost.Winding.Axis"];
+            /**
+             * Format: int64
+             * @description Index of a static collider of the request that is a capsule: its axis. Only one of axis, collider may be given.
+             */
+            collider?: number;
+            /** @description UINT32 [M], M >= 2. */
+            nodes?: components["schemas"]["Tensor"];
+            /**
+             * Format: float
+             * @description Wanted turns, -100..100.
+             */
+            turns?: number;
+        };
+        "Cost.Winding.Axis": {
+            direction?: number[];
+            /** @description Three numbers each: a point, metres, and a unit vector. */
+            point?: number[];
         };
         /** @description Mean over nodes of the squared distance to a box, square metres. */
         "Cost.Within": {
@@ -2076,6 +2156,13 @@ export interface components {
             /** Format: int64 */
             hand?: number;
         };
+        /** @description Search over P places to grasp: each is tried with its own motion in the plan's space, and the worse half is given up after each round. The iterations of the request are shared among the rounds; each plan of a place begins there and otherwise moves like the nominal plan. Limits of strain and of the force of grasps (`rollout.plausibility`) decide between places as they do between plans. Only with poses as actions. */
+        GraspSearch: {
+            /** @description Grippers whose places are searched, ascending; empty: all. */
+            grippers?: number[];
+            /** @description Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 [P, G', 7], P in 2..256. */
+            poses?: components["schemas"]["Tensor"];
+        };
         /** @description What G grasps hold of N nodes in a state. Shapes are those of one state; several states have [B] in front. */
         Grasping: {
             /** @description Grasp that holds each node, UINT32 [N]: g + 1 for grasp g; 0 for none. */
@@ -2257,6 +2344,15 @@ export interface components {
              */
             period_s?: number;
         };
+        /** @description A distant light and an even one. */
+        Light: {
+            /** @description Share of the even light, 0..1: FLOAT32 [1] or [S]; absent: 0.5. */
+            ambient?: components["schemas"]["Tensor"];
+            /** @description Factor of all light, backgrounds excepted, 0..4: FLOAT32 [1] or [S]; absent: 1. */
+            brightness?: components["schemas"]["Tensor"];
+            /** @description Direction from which the light comes, FLOAT32 [3] or [S, 3], of any length above 0; absent: from above and behind the first camera. */
+            direction?: components["schemas"]["Tensor"];
+        };
         ListCapturesResponse: {
             captures: components["schemas"]["Capture"][];
             /** @description Empty on the last page. */
@@ -2425,6 +2521,24 @@ export interface components {
             /** Format: int64 */
             twins: number;
         };
+        /** @description A pinhole camera without distortion. Axes as in OpenCV: x to the right, y down, z forward; the centre of the first pixel is at (0, 0). */
+        PictureCamera: {
+            /** @description What is seen where there is neither the object nor a prop (sRGB): UINT8 [height, width, 3] or [S, height, width, 3], or a colour, [3] or [S, 3]. Absent: a light grey. */
+            background?: components["schemas"]["Tensor"];
+            /** Format: int64 */
+            height?: number;
+            /** @description fx, fy, cx, cy in pixels: FLOAT32 [4] or [S, 4]. */
+            intrinsics?: components["schemas"]["Tensor"];
+            /** @description Name in errors; default `camera{index}`. At most 128 bytes. */
+            name?: string;
+            /** @description Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 [7] or [S, 7]. */
+            pose?: components["schemas"]["Tensor"];
+            /**
+             * Format: int64
+             * @description Pixels, 8..2048 each.
+             */
+            width?: number;
+        };
         /** @description Limits that every plan keeps, FLOAT32 [1] or by coordinate [D]; absent: none. They hold at the knots, and between knots with linear interpolation. */
         PlanBounds: {
             high?: components["schemas"]["Tensor"];
@@ -2494,6 +2608,8 @@ export interface components {
              * @description Smallest scale of the samples, above 0 and at most 1. Samples use sigma times scales from 1 down to this one, evenly spaced in the logarithm. Absent: 0.1, or 1 for methods that shrink their samples themselves.
              */
             finest?: number;
+            /** @description Places to grasp, searched together with the motion. */
+            grasp_search?: components["schemas"]["GraspSearch"];
             /**
              * Format: int64
              * @description Default (0): 1, or 20 with a gradient. At most 1,000,000 plans are simulated in total.
@@ -2535,6 +2651,19 @@ export interface components {
             cost_terms?: components["schemas"]["Tensor"];
             /** Format: int64 */
             diverged: number;
+            /**
+             * Format: int64
+             * @description With `grasp_search`: the place of the best plan, and the cost of the best plan of each place, FLOAT64 [P]; +inf where every plan diverged.
+             */
+            grasp?: number;
+            grasp_costs?: components["schemas"]["Tensor"];
+            /** Format: double */
+            grasp_force_limit_n?: number;
+            /**
+             * Format: double
+             * @description Largest mean force of a grasp over a frame in the motion of the best plan, and the limit; absent without a limit in `plausibility.grasp_force_n`.
+             */
+            grasp_force_n?: number;
             /**
              * Format: int64
              * @description Finished iterations.
@@ -2604,6 +2733,11 @@ export interface components {
              * @description Highest speed of a control point; default 5.
              */
             control_speed_m_s?: number;
+            /**
+             * Format: double
+             * @description Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none.
+             */
+            grasp_force_n?: number;
             refuse?: boolean;
             /**
              * Format: double
@@ -2735,6 +2869,21 @@ export interface components {
             /** @description projects/{uuid} */
             name: string;
         };
+        /** @description A rigid thing in pictures. It has no effect on the simulation. */
+        Prop: {
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            capsule?: components["schemas"]["Capsule"];
+            /** @description Colour (sRGB), UINT8 [3] or [S, 3]; absent: grey. */
+            color?: components["schemas"]["Tensor"];
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            convex_mesh?: components["schemas"]["ConvexMesh"];
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            cuboid?: components["schemas"]["Cuboid"];
+            /** @description Pose, x, y, z in metres, quaternion x, y, z, w: FLOAT32 [7] or [S, 7]; absent: the origin. */
+            pose?: components["schemas"]["Tensor"];
+            /** @description Only one of sphere, capsule, cuboid, convex_mesh may be given. */
+            sphere?: components["schemas"]["Sphere"];
+        };
         /** @description State of the server as `/readyz` reports it. */
         Readiness: {
             /** @description Name and version of the server's program. */
@@ -2810,6 +2959,38 @@ export interface components {
             state?: components["schemas"]["InitialState.GivenState"];
             /** @description workers/{uuid} */
             worker: string;
+        };
+        /** @description Pictures of S slots by each of the cameras. Arrays with [S] in front have a row for each slot, in the order of the slots; those without apply to all slots. */
+        RenderSessionRequest: {
+            /** @description 1..8. All pictures of a call together have at most 8,388,608 pixels. */
+            cameras?: components["schemas"]["PictureCamera"][];
+            /** @description Return depths as well. */
+            depths?: boolean;
+            /** @description Return labels of what is seen in each pixel as well. */
+            labels?: boolean;
+            light?: components["schemas"]["Light"];
+            /** @enum {string} */
+            look?: "SURFACE" | "GAUSSIANS";
+            /** @description sessions/{uuid} */
+            name?: string;
+            /** @description Rigid things beside the object: tables, bins, grippers, goals. At most 64. */
+            props?: components["schemas"]["Prop"][];
+            /** @description Empty: all slots. At most 1024. */
+            slots?: number[];
+        };
+        RenderedSession: {
+            /** @description One set for each camera. */
+            cameras: components["schemas"]["RenderedSession.Pictures"][];
+            /** @description The slots of the pictures. */
+            slots: number[];
+        };
+        "RenderedSession.Pictures": {
+            /** @description sRGB, UINT8 [S, height, width, 3]. */
+            colors?: components["schemas"]["Tensor"];
+            /** @description Distance along the camera's axis, metres; 0 where only the background is seen. FLOAT32 [S, height, width]. */
+            depths?: components["schemas"]["Tensor"];
+            /** @description What is seen: 0 the background, 1 the object, 2 + i prop i. UINT8 [S, height, width]. */
+            labels?: components["schemas"]["Tensor"];
         };
         ResetSessionRequest: {
             /** @description Absent: the session's first state. */
@@ -3021,6 +3202,8 @@ export interface components {
              * @description Substeps per frame that were simulated.
              */
             substeps: number;
+            /** @description Present if a cost has a condition of success: 1 for an instance that meets all conditions, otherwise 0, also where it diverged; with an ensemble the share of members. FLOAT32 [B']. */
+            successes?: components["schemas"]["Tensor"];
             timing?: components["schemas"]["RollOutResponse.Timing"];
             /** @description Instances that were not simulated within `time_limit_s`, UINT32. Their costs are +inf, their arrays NaN. */
             unfinished?: components["schemas"]["Tensor"];
@@ -3124,7 +3307,7 @@ export interface components {
             instance: number;
             /** Format: double */
             limit: number;
-            /** @description START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE. */
+            /** @description START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE, GRASP_FORCE. */
             reason: string;
         };
         "RollOutResponse.Timing": {
@@ -5715,6 +5898,49 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Session"];
+                };
+            };
+            /** @description An RFC 9457 problem document: what happened and what to do. */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDocument"];
+                };
+            };
+        };
+    };
+    RenderSession: {
+        parameters: {
+            query?: {
+                /** @description `lists` (nested lists of numbers, the default) or `base64`. */
+                tensors?: string;
+                /** @description Give up after so many seconds. */
+                timeout_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The uuid of the resource's name. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RenderSessionRequest"];
+                "application/x-protobuf": string;
+            };
+        };
+        responses: {
+            /** @description Success. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RenderedSession"];
+                    "application/x-protobuf": string;
                 };
             };
             /** @description An RFC 9457 problem document: what happened and what to do. */

@@ -9897,6 +9897,9 @@ pub struct Plausibility {
     /// below the ground (Diagnostics.stopped_hand_m).
     #[prost(double, optional, tag = "5")]
     pub control_depth_m: ::core::option::Option<f64>,
+    /// Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none.
+    #[prost(double, optional, tag = "6")]
+    pub grasp_force_n: ::core::option::Option<f64>,
 }
 /// Positions of every control point.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -10012,7 +10015,12 @@ pub struct Cost {
     /// unit of the cost.
     #[prost(double, tag = "14")]
     pub temperature: f64,
-    #[prost(oneof = "cost::Kind", tags = "4, 5, 6, 7, 8, 9, 10, 11, 12, 13")]
+    /// Condition of success: the value of the cost after the last frame, without its weight and regardless of
+    /// `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one
+    /// (RollOutResponse.successes). Not for costs of forces, of smoothness, or of control points. A condition has no gradient.
+    #[prost(double, optional, tag = "15")]
+    pub success_at_most: ::core::option::Option<f64>,
+    #[prost(oneof = "cost::Kind", tags = "4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 16, 17, 18")]
     pub kind: ::core::option::Option<cost::Kind>,
 }
 /// Nested message and enum types in `Cost`.
@@ -10120,6 +10128,69 @@ pub mod cost {
         #[prost(double, tag = "1")]
         pub limit_m_s: f64,
     }
+    /// Order of nodes along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) -
+    /// x))^2, square metres. 0 if each node is at least `gap_m` ahead of the one before it.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Order {
+        /// UINT32 \[M\], M >= 2.
+        #[prost(message, optional, tag = "1")]
+        pub nodes: ::core::option::Option<super::Tensor>,
+        /// Unit vector, three numbers.
+        #[prost(float, repeated, tag = "2")]
+        pub direction: ::prost::alloc::vec::Vec<f32>,
+        /// At least 0.
+        #[prost(float, tag = "3")]
+        pub gap_m: f32,
+    }
+    /// Winding of a chain of nodes around a straight line: (turns - wanted turns)^2. The turns are the sum of the
+    /// angles between neighbours in the list as seen along the line, over 2 pi; positive is counter-clockwise seen
+    /// against its direction. The gradient is that of the angles; it jumps where the chain crosses the line.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Winding {
+        /// UINT32 \[M\], M >= 2.
+        #[prost(message, optional, tag = "1")]
+        pub nodes: ::core::option::Option<super::Tensor>,
+        /// Wanted turns, -100..100.
+        #[prost(float, tag = "4")]
+        pub turns: f32,
+        /// The line.
+        #[prost(oneof = "winding::Around", tags = "2, 3")]
+        pub around: ::core::option::Option<winding::Around>,
+    }
+    /// Nested message and enum types in `Winding`.
+    pub mod winding {
+        #[derive(Clone, PartialEq, ::prost::Message)]
+        pub struct Axis {
+            /// Three numbers each: a point, metres, and a unit vector.
+            #[prost(float, repeated, tag = "1")]
+            pub point: ::prost::alloc::vec::Vec<f32>,
+            #[prost(float, repeated, tag = "2")]
+            pub direction: ::prost::alloc::vec::Vec<f32>,
+        }
+        /// The line.
+        #[derive(Clone, PartialEq, ::prost::Oneof)]
+        pub enum Around {
+            #[prost(message, tag = "2")]
+            Axis(Axis),
+            /// Index of a static collider of the request that is a capsule: its axis.
+            #[prost(uint32, tag = "3")]
+            Collider(u32),
+        }
+    }
+    /// Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)) with the distance d to the
+    /// nearest point of the twin's surface.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Coverage {
+        /// FLOAT32 \[M, 3\], metres.
+        #[prost(message, optional, tag = "1")]
+        pub points: ::core::option::Option<super::Tensor>,
+        /// Above 0; about half the spacing of the surface's points.
+        #[prost(float, tag = "2")]
+        pub reach_m: f32,
+        /// Points of the surface: SKIN, the default, or NODES for the surface nodes.
+        #[prost(enumeration = "super::PointSet", tag = "3")]
+        pub point_set: i32,
+    }
     #[derive(
         Clone,
         Copy,
@@ -10186,6 +10257,12 @@ pub mod cost {
         ControlPath(ControlPath),
         #[prost(message, tag = "13")]
         ControlSpeed(ControlSpeed),
+        #[prost(message, tag = "16")]
+        Order(Order),
+        #[prost(message, tag = "17")]
+        Winding(Winding),
+        #[prost(message, tag = "18")]
+        Coverage(Coverage),
     }
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -10402,6 +10479,10 @@ pub struct RollOutResponse {
     /// diverged.
     #[prost(message, optional, tag = "35")]
     pub spread: ::core::option::Option<Tensor>,
+    /// Present if a cost has a condition of success: 1 for an instance that meets all conditions, otherwise 0, also
+    /// where it diverged; with an ensemble the share of members. FLOAT32 \[B'\].
+    #[prost(message, optional, tag = "37")]
+    pub successes: ::core::option::Option<Tensor>,
 }
 /// Nested message and enum types in `RollOutResponse`.
 pub mod roll_out_response {
@@ -10438,7 +10519,7 @@ pub mod roll_out_response {
     pub struct Implausible {
         #[prost(uint32, tag = "1")]
         pub instance: u32,
-        /// START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE.
+        /// START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE, GRASP_FORCE.
         #[prost(string, tag = "2")]
         pub reason: ::prost::alloc::string::String,
         /// Largest value found, and the limit, in the unit of the limit.
@@ -11074,6 +11155,22 @@ pub struct PlanRequest {
     /// last value at the end. `closed` of grasps and paths of colliders are not shifted.
     #[prost(double, tag = "11")]
     pub shift_frames: f64,
+    /// Places to grasp, searched together with the motion.
+    #[prost(message, optional, tag = "13")]
+    pub grasp_search: ::core::option::Option<GraspSearch>,
+}
+/// Search over P places to grasp: each is tried with its own motion in the plan's space, and the worse half is given
+/// up after each round. The iterations of the request are shared among the rounds; each plan of a place begins there
+/// and otherwise moves like the nominal plan. Limits of strain and of the force of grasps
+/// (`rollout.plausibility`) decide between places as they do between plans. Only with poses as actions.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct GraspSearch {
+    /// Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 \[P, G', 7\], P in 2..256.
+    #[prost(message, optional, tag = "1")]
+    pub poses: ::core::option::Option<Tensor>,
+    /// Grippers whose places are searched, ascending; empty: all.
+    #[prost(uint32, repeated, tag = "2")]
+    pub grippers: ::prost::alloc::vec::Vec<u32>,
 }
 /// Coordinates of a plan, and the points or grippers that they move. Motion of the nominal plan outside of these
 /// coordinates is kept in every plan.
@@ -11262,6 +11359,18 @@ pub struct PlanUpdate {
     /// Plans beyond the strain limit that did not diverge.
     #[prost(uint32, tag = "17")]
     pub overstrained: u32,
+    /// With `grasp_search`: the place of the best plan, and the cost of the best plan of each place, FLOAT64 \[P\]; +inf
+    /// where every plan diverged.
+    #[prost(uint32, optional, tag = "18")]
+    pub grasp: ::core::option::Option<u32>,
+    #[prost(message, optional, tag = "19")]
+    pub grasp_costs: ::core::option::Option<Tensor>,
+    /// Largest mean force of a grasp over a frame in the motion of the best plan, and the limit; absent without a limit
+    /// in `plausibility.grasp_force_n`.
+    #[prost(double, optional, tag = "20")]
+    pub grasp_force_n: ::core::option::Option<f64>,
+    #[prost(double, optional, tag = "21")]
+    pub grasp_force_limit_n: ::core::option::Option<f64>,
 }
 /// Nested message and enum types in `PlanUpdate`.
 pub mod plan_update {
@@ -12513,6 +12622,166 @@ pub mod evaluation_service_server {
         const NAME: &'static str = SERVICE_NAME;
     }
 }
+/// Pictures of S slots by each of the cameras. Arrays with \[S\] in front have a row for each slot, in the order of
+/// the slots; those without apply to all slots.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RenderSessionRequest {
+    /// sessions/{uuid}
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// Empty: all slots. At most 1024.
+    #[prost(uint32, repeated, tag = "2")]
+    pub slots: ::prost::alloc::vec::Vec<u32>,
+    /// 1..8. All pictures of a call together have at most 8,388,608 pixels.
+    #[prost(message, repeated, tag = "3")]
+    pub cameras: ::prost::alloc::vec::Vec<PictureCamera>,
+    #[prost(enumeration = "render_session_request::Look", tag = "4")]
+    pub look: i32,
+    /// Rigid things beside the object: tables, bins, grippers, goals. At most 64.
+    #[prost(message, repeated, tag = "5")]
+    pub props: ::prost::alloc::vec::Vec<Prop>,
+    #[prost(message, optional, tag = "6")]
+    pub light: ::core::option::Option<Light>,
+    /// Return depths as well.
+    #[prost(bool, tag = "7")]
+    pub depths: bool,
+    /// Return labels of what is seen in each pixel as well.
+    #[prost(bool, tag = "8")]
+    pub labels: bool,
+}
+/// Nested message and enum types in `RenderSessionRequest`.
+pub mod render_session_request {
+    /// Look of the object.
+    #[derive(
+        Clone,
+        Copy,
+        Debug,
+        PartialEq,
+        Eq,
+        Hash,
+        PartialOrd,
+        Ord,
+        ::prost::Enumeration
+    )]
+    #[repr(i32)]
+    pub enum Look {
+        /// GAUSSIANS if the twin has them, otherwise SURFACE.
+        Unspecified = 0,
+        /// The surface of the twin, in its colours.
+        Surface = 1,
+        /// The Gaussians of the twin. Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none.
+        Gaussians = 2,
+    }
+    impl Look {
+        /// String value of the enum field names used in the ProtoBuf definition.
+        ///
+        /// The values are not transformed in any way and thus are considered stable
+        /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+        pub fn as_str_name(&self) -> &'static str {
+            match self {
+                Self::Unspecified => "LOOK_UNSPECIFIED",
+                Self::Surface => "SURFACE",
+                Self::Gaussians => "GAUSSIANS",
+            }
+        }
+        /// Creates an enum from field names used in the ProtoBuf definition.
+        pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+            match value {
+                "LOOK_UNSPECIFIED" => Some(Self::Unspecified),
+                "SURFACE" => Some(Self::Surface),
+                "GAUSSIANS" => Some(Self::Gaussians),
+                _ => None,
+            }
+        }
+    }
+}
+/// A pinhole camera without distortion. Axes as in OpenCV: x to the right, y down, z forward; the centre of the
+/// first pixel is at (0, 0).
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PictureCamera {
+    /// Name in errors; default `camera{index}`. At most 128 bytes.
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// Pixels, 8..2048 each.
+    #[prost(uint32, tag = "2")]
+    pub width: u32,
+    #[prost(uint32, tag = "3")]
+    pub height: u32,
+    /// fx, fy, cx, cy in pixels: FLOAT32 \[4\] or \[S, 4\].
+    #[prost(message, optional, tag = "4")]
+    pub intrinsics: ::core::option::Option<Tensor>,
+    /// Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 \[7\] or \[S, 7\].
+    #[prost(message, optional, tag = "5")]
+    pub pose: ::core::option::Option<Tensor>,
+    /// What is seen where there is neither the object nor a prop (sRGB): UINT8 \[height, width, 3\] or \[S, height,
+    /// width, 3\], or a colour, \[3\] or \[S, 3\]. Absent: a light grey.
+    #[prost(message, optional, tag = "6")]
+    pub background: ::core::option::Option<Tensor>,
+}
+/// A rigid thing in pictures. It has no effect on the simulation.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Prop {
+    /// Pose, x, y, z in metres, quaternion x, y, z, w: FLOAT32 \[7\] or \[S, 7\]; absent: the origin.
+    #[prost(message, optional, tag = "5")]
+    pub pose: ::core::option::Option<Tensor>,
+    /// Colour (sRGB), UINT8 \[3\] or \[S, 3\]; absent: grey.
+    #[prost(message, optional, tag = "6")]
+    pub color: ::core::option::Option<Tensor>,
+    #[prost(oneof = "prop::Shape", tags = "1, 2, 3, 4")]
+    pub shape: ::core::option::Option<prop::Shape>,
+}
+/// Nested message and enum types in `Prop`.
+pub mod prop {
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Shape {
+        #[prost(message, tag = "1")]
+        Sphere(super::Sphere),
+        #[prost(message, tag = "2")]
+        Capsule(super::Capsule),
+        #[prost(message, tag = "3")]
+        Cuboid(super::Cuboid),
+        #[prost(message, tag = "4")]
+        ConvexMesh(super::ConvexMesh),
+    }
+}
+/// A distant light and an even one.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Light {
+    /// Direction from which the light comes, FLOAT32 \[3\] or \[S, 3\], of any length above 0; absent: from above and
+    /// behind the first camera.
+    #[prost(message, optional, tag = "1")]
+    pub direction: ::core::option::Option<Tensor>,
+    /// Share of the even light, 0..1: FLOAT32 \[1\] or \[S\]; absent: 0.5.
+    #[prost(message, optional, tag = "2")]
+    pub ambient: ::core::option::Option<Tensor>,
+    /// Factor of all light, backgrounds excepted, 0..4: FLOAT32 \[1\] or \[S\]; absent: 1.
+    #[prost(message, optional, tag = "3")]
+    pub brightness: ::core::option::Option<Tensor>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RenderedSession {
+    /// One set for each camera.
+    #[prost(message, repeated, tag = "1")]
+    pub cameras: ::prost::alloc::vec::Vec<rendered_session::Pictures>,
+    /// The slots of the pictures.
+    #[prost(uint32, repeated, tag = "2")]
+    pub slots: ::prost::alloc::vec::Vec<u32>,
+}
+/// Nested message and enum types in `RenderedSession`.
+pub mod rendered_session {
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Pictures {
+        /// sRGB, UINT8 \[S, height, width, 3\].
+        #[prost(message, optional, tag = "1")]
+        pub colors: ::core::option::Option<super::Tensor>,
+        /// Distance along the camera's axis, metres; 0 where only the background is seen. FLOAT32 \[S, height, width\].
+        #[prost(message, optional, tag = "2")]
+        pub depths: ::core::option::Option<super::Tensor>,
+        /// What is seen: 0 the background, 1 the object, 2 + i prop i. UINT8 \[S, height, width\].
+        #[prost(message, optional, tag = "3")]
+        pub labels: ::core::option::Option<super::Tensor>,
+    }
+}
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Session {
     /// sessions/{uuid}
@@ -13074,6 +13343,31 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "StepSession"));
             self.inner.unary(req, path, codec).await
         }
+        /// Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes.
+        pub async fn render_session(
+            &mut self,
+            request: impl tonic::IntoRequest<super::RenderSessionRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::RenderedSession>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SessionService/RenderSession",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SessionService", "RenderSession"));
+            self.inner.unary(req, path, codec).await
+        }
         /// Closes a session. It is no error if it has ended.
         pub async fn close_session(
             &mut self,
@@ -13181,6 +13475,11 @@ pub mod session_service_server {
             &self,
             request: tonic::Request<super::StepSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::SteppedSession>, tonic::Status>;
+        /// Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes.
+        async fn render_session(
+            &self,
+            request: tonic::Request<super::RenderSessionRequest>,
+        ) -> std::result::Result<tonic::Response<super::RenderedSession>, tonic::Status>;
         /// Closes a session. It is no error if it has ended.
         async fn close_session(
             &self,
@@ -13668,6 +13967,51 @@ pub mod session_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = StepSessionSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SessionService/RenderSession" => {
+                    #[allow(non_camel_case_types)]
+                    struct RenderSessionSvc<T: SessionService>(pub Arc<T>);
+                    impl<
+                        T: SessionService,
+                    > tonic::server::UnaryService<super::RenderSessionRequest>
+                    for RenderSessionSvc<T> {
+                        type Response = super::RenderedSession;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::RenderSessionRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SessionService>::render_session(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = RenderSessionSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

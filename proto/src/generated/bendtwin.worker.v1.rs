@@ -48,7 +48,7 @@ pub struct ManageSessionRequest {
     /// Owner of the key that makes the call: a session belongs to the owner that opened it.
     #[prost(string, tag = "10")]
     pub owner: ::prost::alloc::string::String,
-    #[prost(oneof = "manage_session_request::Call", tags = "1, 2, 3, 4, 5, 6, 9")]
+    #[prost(oneof = "manage_session_request::Call", tags = "1, 2, 3, 4, 5, 6, 9, 11")]
     pub call: ::core::option::Option<manage_session_request::Call>,
 }
 /// Nested message and enum types in `ManageSessionRequest`.
@@ -69,17 +69,21 @@ pub mod manage_session_request {
         Close(super::super::super::v1::CloseSessionRequest),
         #[prost(message, tag = "9")]
         Correct(super::super::super::v1::CorrectSessionRequest),
+        #[prost(message, tag = "11")]
+        Render(super::super::super::v1::RenderSessionRequest),
     }
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ManageSessionResponse {
-    /// Absent after `states`, `correct` and `close`.
+    /// Absent after `states`, `correct`, `render` and `close`.
     #[prost(message, optional, tag = "1")]
     pub session: ::core::option::Option<super::super::v1::Session>,
     #[prost(message, optional, tag = "2")]
     pub states: ::core::option::Option<super::super::v1::SessionStates>,
     #[prost(message, optional, tag = "3")]
     pub corrected: ::core::option::Option<super::super::v1::CorrectedSession>,
+    #[prost(message, optional, tag = "4")]
+    pub rendered: ::core::option::Option<super::super::v1::RenderedSession>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RegisterRequest {

@@ -3476,7 +3476,7 @@ written!(crate::v1::GradientOptions);
 
 impl Fields for crate::v1::Plausibility {
     const NAME: &'static str = "Plausibility";
-    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse", "control_depth_m"];
+    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse", "control_depth_m", "grasp_force_n"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -3486,6 +3486,7 @@ impl Fields for crate::v1::Plausibility {
 2 => { self.strain = map.next_value()?; }
 3 => { self.refuse = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 4 => { self.control_depth_m = map.next_value()?; }
+5 => { self.grasp_force_n = map.next_value()?; }
 
             _ => {}
         }
@@ -3498,6 +3499,7 @@ if let Some(value) = &self.control_speed_m_s { map.serialize_entry("control_spee
 if let Some(value) = &self.strain { map.serialize_entry("strain", value)?; }
 map.serialize_entry("refuse", &self.refuse)?;
 if let Some(value) = &self.control_depth_m { map.serialize_entry("control_depth_m", value)?; }
+if let Some(value) = &self.grasp_force_n { map.serialize_entry("grasp_force_n", value)?; }
 
         Ok(())
     }
@@ -3708,7 +3710,7 @@ written!(crate::v1::initial_state::GivenState);
 
 impl Fields for crate::v1::Cost {
     const NAME: &'static str = "Cost";
-    const FIELDS: &'static [&'static str] = &["name", "weight", "when", "target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed", "temperature"];
+    const FIELDS: &'static [&'static str] = &["name", "weight", "when", "target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed", "order", "winding", "coverage", "temperature", "success_at_most"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -3726,7 +3728,11 @@ impl Fields for crate::v1::Cost {
 10 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Clearance))?; }
 11 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::ControlPath))?; }
 12 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::ControlSpeed))?; }
-13 => { self.temperature = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Order))?; }
+14 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Winding))?; }
+15 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Coverage))?; }
+16 => { self.temperature = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+17 => { self.success_at_most = map.next_value()?; }
 
             _ => {}
         }
@@ -3747,7 +3753,11 @@ if let Some(crate::v1::cost::Kind::Within(value)) = &self.kind { write_message(m
 if let Some(crate::v1::cost::Kind::Clearance(value)) = &self.kind { write_message(map, "clearance", Some(value), tensors)?; }
 if let Some(crate::v1::cost::Kind::ControlPath(value)) = &self.kind { write_message(map, "control_path", Some(value), tensors)?; }
 if let Some(crate::v1::cost::Kind::ControlSpeed(value)) = &self.kind { write_message(map, "control_speed", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Order(value)) = &self.kind { write_message(map, "order", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Winding(value)) = &self.kind { write_message(map, "winding", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Coverage(value)) = &self.kind { write_message(map, "coverage", Some(value), tensors)?; }
 map.serialize_entry("temperature", &self.temperature)?;
+if let Some(value) = &self.success_at_most { map.serialize_entry("success_at_most", value)?; }
 
         Ok(())
     }
@@ -4014,6 +4024,110 @@ impl Fields for crate::v1::cost::ControlSpeed {
 }
 written!(crate::v1::cost::ControlSpeed);
 
+impl Fields for crate::v1::cost::Order {
+    const NAME: &'static str = "Order";
+    const FIELDS: &'static [&'static str] = &["nodes", "direction", "gap_m"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.nodes = tensor(map, Dtype::Uint32)?; }
+1 => { self.direction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.gap_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
+map.serialize_entry("direction", &self.direction)?;
+map.serialize_entry("gap_m", &self.gap_m)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::cost::Order);
+
+impl Fields for crate::v1::cost::Winding {
+    const NAME: &'static str = "Winding";
+    const FIELDS: &'static [&'static str] = &["nodes", "axis", "collider", "turns"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.nodes = tensor(map, Dtype::Uint32)?; }
+1 => { only_one(&mut self.around, message(map)?.map(crate::v1::cost::winding::Around::Axis))?; }
+2 => { only_one(&mut self.around, map.next_value::<Option<_>>()?.map(crate::v1::cost::winding::Around::Collider))?; }
+3 => { self.turns = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
+if let Some(crate::v1::cost::winding::Around::Axis(value)) = &self.around { write_message(map, "axis", Some(value), tensors)?; }
+if let Some(crate::v1::cost::winding::Around::Collider(value)) = &self.around { map.serialize_entry("collider", value)?; }
+map.serialize_entry("turns", &self.turns)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::cost::Winding);
+
+impl Fields for crate::v1::cost::winding::Axis {
+    const NAME: &'static str = "Axis";
+    const FIELDS: &'static [&'static str] = &["point", "direction"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.point = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.direction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("point", &self.point)?;
+map.serialize_entry("direction", &self.direction)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::cost::winding::Axis);
+
+impl Fields for crate::v1::cost::Coverage {
+    const NAME: &'static str = "Coverage";
+    const FIELDS: &'static [&'static str] = &["points", "reach_m", "point_set"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.points = tensor(map, Dtype::Float32)?; }
+1 => { self.reach_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.point_set = word::<crate::v1::PointSet, A>(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "points", self.points.as_ref(), tensors)?;
+map.serialize_entry("reach_m", &self.reach_m)?;
+write_word::<crate::v1::PointSet, M>(map, "point_set", self.point_set)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::cost::Coverage);
+
 impl Words for crate::v1::cost::When {
     const KNOWN: &'static [&'static str] = &["LAST_FRAME", "EVERY_FRAME", "SOFT_MIN"];
     fn number(word: &str) -> Option<i32> {
@@ -4094,7 +4208,7 @@ word_written!(crate::v1::returns::Encoding);
 
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
-    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "final_commanded_controls", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread"];
+    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "final_commanded_controls", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg", "window", "unfinished", "spread", "successes"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -4135,6 +4249,7 @@ impl Fields for crate::v1::RollOutResponse {
 33 => { self.window = message(map)?; }
 34 => { self.unfinished = tensor(map, Dtype::Float32)?; }
 35 => { self.spread = tensor(map, Dtype::Float32)?; }
+36 => { self.successes = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -4178,6 +4293,7 @@ if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
 write_message(map, "window", self.window.as_ref(), tensors)?;
 write_tensor(map, "unfinished", self.unfinished.as_ref(), tensors)?;
 write_tensor(map, "spread", self.spread.as_ref(), tensors)?;
+write_tensor(map, "successes", self.successes.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -4415,7 +4531,7 @@ word_written!(crate::v1::Interpolation);
 
 impl Fields for crate::v1::PlanRequest {
     const NAME: &'static str = "PlanRequest";
-    const FIELDS: &'static [&'static str] = &["rollout", "space", "method", "samples", "iterations", "sigma", "correlation", "finest", "bounds", "seed", "deadline_s", "shift_frames"];
+    const FIELDS: &'static [&'static str] = &["rollout", "space", "method", "samples", "iterations", "sigma", "correlation", "finest", "bounds", "seed", "deadline_s", "shift_frames", "grasp_search"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -4432,6 +4548,7 @@ impl Fields for crate::v1::PlanRequest {
 9 => { self.seed = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 10 => { self.deadline_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 11 => { self.shift_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.grasp_search = message(map)?; }
 
             _ => {}
         }
@@ -4451,11 +4568,36 @@ write_message(map, "bounds", self.bounds.as_ref(), tensors)?;
 map.serialize_entry("seed", &self.seed)?;
 map.serialize_entry("deadline_s", &self.deadline_s)?;
 map.serialize_entry("shift_frames", &self.shift_frames)?;
+write_message(map, "grasp_search", self.grasp_search.as_ref(), tensors)?;
 
         Ok(())
     }
 }
 written!(crate::v1::PlanRequest);
+
+impl Fields for crate::v1::GraspSearch {
+    const NAME: &'static str = "GraspSearch";
+    const FIELDS: &'static [&'static str] = &["poses", "grippers"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.poses = tensor(map, Dtype::Float32)?; }
+1 => { self.grippers = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "poses", self.poses.as_ref(), tensors)?;
+map.serialize_entry("grippers", &self.grippers)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::GraspSearch);
 
 impl Fields for crate::v1::ActionSpace {
     const NAME: &'static str = "ActionSpace";
@@ -4640,7 +4782,7 @@ written!(crate::v1::PlanBounds);
 
 impl Fields for crate::v1::PlanUpdate {
     const NAME: &'static str = "PlanUpdate";
-    const FIELDS: &'static [&'static str] = &["knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "stopped_by_deadline", "time_s", "last", "rollout", "strain", "strain_limit", "overstrained"];
+    const FIELDS: &'static [&'static str] = &["knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "stopped_by_deadline", "time_s", "last", "rollout", "strain", "strain_limit", "overstrained", "grasp", "grasp_costs", "grasp_force_n", "grasp_force_limit_n"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -4662,6 +4804,10 @@ impl Fields for crate::v1::PlanUpdate {
 14 => { self.strain = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 15 => { self.strain_limit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 16 => { self.overstrained = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+17 => { self.grasp = map.next_value()?; }
+18 => { self.grasp_costs = tensor(map, Dtype::Float32)?; }
+19 => { self.grasp_force_n = map.next_value()?; }
+20 => { self.grasp_force_limit_n = map.next_value()?; }
 
             _ => {}
         }
@@ -4686,6 +4832,10 @@ write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
 map.serialize_entry("strain", &self.strain)?;
 map.serialize_entry("strain_limit", &self.strain_limit)?;
 map.serialize_entry("overstrained", &self.overstrained)?;
+if let Some(value) = &self.grasp { map.serialize_entry("grasp", value)?; }
+write_tensor(map, "grasp_costs", self.grasp_costs.as_ref(), tensors)?;
+if let Some(value) = &self.grasp_force_n { map.serialize_entry("grasp_force_n", value)?; }
+if let Some(value) = &self.grasp_force_limit_n { map.serialize_entry("grasp_force_limit_n", value)?; }
 
         Ok(())
     }
@@ -5072,6 +5222,193 @@ write_message(map, "motion", self.motion.as_ref(), tensors)?;
     }
 }
 written!(crate::v1::Evaluation);
+
+impl Fields for crate::v1::RenderSessionRequest {
+    const NAME: &'static str = "RenderSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slots", "cameras", "look", "props", "light", "depths", "labels"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.cameras = messages(map)?; }
+3 => { self.look = word::<crate::v1::render_session_request::Look, A>(map)?; }
+4 => { self.props = messages(map)?; }
+5 => { self.light = message(map)?; }
+6 => { self.depths = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.labels = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slots", &self.slots)?;
+write_messages(map, "cameras", &self.cameras, tensors)?;
+write_word::<crate::v1::render_session_request::Look, M>(map, "look", self.look)?;
+write_messages(map, "props", &self.props, tensors)?;
+write_message(map, "light", self.light.as_ref(), tensors)?;
+map.serialize_entry("depths", &self.depths)?;
+map.serialize_entry("labels", &self.labels)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::RenderSessionRequest);
+
+impl Words for crate::v1::render_session_request::Look {
+    const KNOWN: &'static [&'static str] = &["SURFACE", "GAUSSIANS"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+word_written!(crate::v1::render_session_request::Look);
+
+impl Fields for crate::v1::PictureCamera {
+    const NAME: &'static str = "PictureCamera";
+    const FIELDS: &'static [&'static str] = &["name", "width", "height", "intrinsics", "pose", "background"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.width = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.height = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.intrinsics = tensor(map, Dtype::Float32)?; }
+4 => { self.pose = tensor(map, Dtype::Float32)?; }
+5 => { self.background = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("width", &self.width)?;
+map.serialize_entry("height", &self.height)?;
+write_tensor(map, "intrinsics", self.intrinsics.as_ref(), tensors)?;
+write_tensor(map, "pose", self.pose.as_ref(), tensors)?;
+write_tensor(map, "background", self.background.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::PictureCamera);
+
+impl Fields for crate::v1::Prop {
+    const NAME: &'static str = "Prop";
+    const FIELDS: &'static [&'static str] = &["sphere", "capsule", "cuboid", "convex_mesh", "pose", "color"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { only_one(&mut self.shape, message(map)?.map(crate::v1::prop::Shape::Sphere))?; }
+1 => { only_one(&mut self.shape, message(map)?.map(crate::v1::prop::Shape::Capsule))?; }
+2 => { only_one(&mut self.shape, message(map)?.map(crate::v1::prop::Shape::Cuboid))?; }
+3 => { only_one(&mut self.shape, message(map)?.map(crate::v1::prop::Shape::ConvexMesh))?; }
+4 => { self.pose = tensor(map, Dtype::Float32)?; }
+5 => { self.color = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        if let Some(crate::v1::prop::Shape::Sphere(value)) = &self.shape { write_message(map, "sphere", Some(value), tensors)?; }
+if let Some(crate::v1::prop::Shape::Capsule(value)) = &self.shape { write_message(map, "capsule", Some(value), tensors)?; }
+if let Some(crate::v1::prop::Shape::Cuboid(value)) = &self.shape { write_message(map, "cuboid", Some(value), tensors)?; }
+if let Some(crate::v1::prop::Shape::ConvexMesh(value)) = &self.shape { write_message(map, "convex_mesh", Some(value), tensors)?; }
+write_tensor(map, "pose", self.pose.as_ref(), tensors)?;
+write_tensor(map, "color", self.color.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::Prop);
+
+impl Fields for crate::v1::Light {
+    const NAME: &'static str = "Light";
+    const FIELDS: &'static [&'static str] = &["direction", "ambient", "brightness"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.direction = tensor(map, Dtype::Float32)?; }
+1 => { self.ambient = tensor(map, Dtype::Float32)?; }
+2 => { self.brightness = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "direction", self.direction.as_ref(), tensors)?;
+write_tensor(map, "ambient", self.ambient.as_ref(), tensors)?;
+write_tensor(map, "brightness", self.brightness.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::Light);
+
+impl Fields for crate::v1::RenderedSession {
+    const NAME: &'static str = "RenderedSession";
+    const FIELDS: &'static [&'static str] = &["cameras", "slots"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.cameras = messages(map)?; }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_messages(map, "cameras", &self.cameras, tensors)?;
+map.serialize_entry("slots", &self.slots)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::RenderedSession);
+
+impl Fields for crate::v1::rendered_session::Pictures {
+    const NAME: &'static str = "Pictures";
+    const FIELDS: &'static [&'static str] = &["colors", "depths", "labels"];
+    const REQUIRED: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.colors = tensor(map, Dtype::Float32)?; }
+1 => { self.depths = tensor(map, Dtype::Float32)?; }
+2 => { self.labels = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "colors", self.colors.as_ref(), tensors)?;
+write_tensor(map, "depths", self.depths.as_ref(), tensors)?;
+write_tensor(map, "labels", self.labels.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+written!(crate::v1::rendered_session::Pictures);
 
 impl Fields for crate::v1::Session {
     const NAME: &'static str = "Session";

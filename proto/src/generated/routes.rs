@@ -157,6 +157,8 @@ Rpc { path: "/bendtwin.v1.SessionService/CorrectSession", scope: Scope::Rollouts
     Route { method: "POST", path: "/v1/sessions/{id}/correct", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/StepSession", scope: Scope::RolloutsRun, audited: false, routes: &[
     Route { method: "POST", path: "/v1/sessions/{id}/step", status: 200, secret: false, messages: None },] },
+Rpc { path: "/bendtwin.v1.SessionService/RenderSession", scope: Scope::RolloutsRun, audited: false, routes: &[
+    Route { method: "POST", path: "/v1/sessions/{id}/render", status: 200, secret: false, messages: None },] },
 Rpc { path: "/bendtwin.v1.SessionService/CloseSession", scope: Scope::RolloutsRun, audited: false, routes: &[
     Route { method: "DELETE", path: "/v1/sessions/{id}", status: 204, secret: false, messages: Some(Messages { source: Source::Nothing, has_request_id: false, read: |given| read::<crate::v1::CloseSessionRequest>(given, |message, given| { message.name = given.id.to_owned(); }), write: |reply| write::<crate::v1::CloseSessionResponse>(reply, None) }) },] },
 Rpc { path: "/bendtwin.worker.v1.WorkerLink/Register", scope: Scope::Worker, audited: false, routes: &[] },

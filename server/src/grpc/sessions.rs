@@ -133,6 +133,13 @@ impl SessionService for Api {
         Ok(response)
     }
 
+    async fn render_session(
+        &self,
+        _request: Request<bendtwin_proto::v1::RenderSessionRequest>,
+    ) -> Result<Response<bendtwin_proto::v1::RenderedSession>, Status> {
+        Err(Status::unimplemented("PLACEHOLDER"))
+    }
+
     async fn step_session(
         &self,
         request: Request<StepSessionRequest>,

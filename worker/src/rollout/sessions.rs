@@ -80,6 +80,7 @@ impl Inner {
                 let corrected = Some(self.correct(correct, under_way).await?);
                 return Ok((ManageSessionResponse { corrected, ..Default::default() }, None));
             }
+            Call::Render(_) => return Err(Error::field("call", "PLACEHOLDER")),
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
                     self.sessions.close(session.id);

@@ -193,6 +193,10 @@ impl Run {
             strain: self.strain,
             strain_limit: template.strain_limit(),
             overstrained: count(best.beyond_limit),
+            grasp: None,
+            grasp_costs: None,
+            grasp_force_n: None,
+            grasp_force_limit_n: None,
         })
     }
 

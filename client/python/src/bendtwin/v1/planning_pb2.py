@@ -27,7 +27,7 @@ from bendtwin.v1 import rollout_pb2 as bendtwin_dot_v1_dot_rollout__pb2
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1a\x62\x65ndtwin/v1/planning.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x19\x62\x65ndtwin/v1/rollout.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"\xec\x02\n\x0bPlanRequest\x12,\n\x07rollout\x18\x01 \x01(\x0b\x32\x1b.bendtwin.v1.RollOutRequest\x12\'\n\x05space\x18\x02 \x01(\x0b\x32\x18.bendtwin.v1.ActionSpace\x12\'\n\x06method\x18\x03 \x01(\x0b\x32\x17.bendtwin.v1.PlanMethod\x12\x0f\n\x07samples\x18\x04 \x01(\r\x12\x12\n\niterations\x18\x05 \x01(\r\x12\"\n\x05sigma\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x13\n\x0b\x63orrelation\x18\x07 \x01(\x01\x12\x13\n\x06\x66inest\x18\x0c \x01(\x01H\x00\x88\x01\x01\x12\'\n\x06\x62ounds\x18\x08 \x01(\x0b\x32\x17.bendtwin.v1.PlanBounds\x12\x0c\n\x04seed\x18\t \x01(\x04\x12\x12\n\ndeadline_s\x18\n \x01(\x01\x12\x14\n\x0cshift_frames\x18\x0b \x01(\x01\x42\t\n\x07_finest\"\x8c\x02\n\x0b\x41\x63tionSpace\x12\x39\n\x0b\x63oordinates\x18\x01 \x01(\x0e\x32$.bendtwin.v1.ActionSpace.Coordinates\x12-\n\x10group_of_control\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05start\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"o\n\x0b\x43oordinates\x12\x1b\n\x17\x43OORDINATES_UNSPECIFIED\x10\x00\x12\x0c\n\x08TOGETHER\x10\x01\x12\r\n\tPER_GROUP\x10\x02\x12\n\n\x06POINTS\x10\x03\x12\x0f\n\x0bTRANSLATION\x10\x04\x12\t\n\x05RIGID\x10\x05\"\xae\x03\n\nPlanMethod\x12,\n\x04mppi\x18\x01 \x01(\x0b\x32\x1c.bendtwin.v1.PlanMethod.MppiH\x00\x12*\n\x03\x63\x65m\x18\x02 \x01(\x0b\x32\x1b.bendtwin.v1.PlanMethod.CemH\x00\x12I\n\x13predictive_sampling\x18\x03 \x01(\x0b\x32*.bendtwin.v1.PlanMethod.PredictiveSamplingH\x00\x12\x34\n\x08gradient\x18\x04 \x01(\x0b\x32 .bendtwin.v1.PlanMethod.GradientH\x00\x1a\x1b\n\x04Mppi\x12\x13\n\x0btemperature\x18\x01 \x01(\x01\x1aY\n\x03\x43\x65m\x12\x0e\n\x06\x65lites\x18\x01 \x01(\r\x12\x13\n\x06memory\x18\x02 \x01(\x01H\x00\x88\x01\x01\x12\x15\n\x08smallest\x18\x03 \x01(\x01H\x01\x88\x01\x01\x42\t\n\x07_memoryB\x0b\n\t_smallest\x1a\x14\n\x12PredictiveSampling\x1a-\n\x08Gradient\x12!\n\x04rate\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x08\n\x06method\"u\n\nPlanBounds\x12 \n\x03low\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04high\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05speed\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"\x8f\x04\n\nPlanUpdate\x12\"\n\x05knots\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12(\n\x0b\x63oordinates\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0c\n\x04\x63ost\x18\x03 \x01(\x01\x12\x12\n\ncost_names\x18\x04 \x03(\t\x12\'\n\ncost_terms\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x06origin\x18\x06 \x01(\x0e\x32\x1e.bendtwin.v1.PlanUpdate.Origin\x12\x14\n\x0cnominal_cost\x18\x07 \x01(\x01\x12\x12\n\niterations\x18\x08 \x01(\r\x12\x11\n\tsimulated\x18\t \x01(\r\x12\x10\n\x08\x64iverged\x18\n \x01(\r\x12\x1b\n\x13stopped_by_deadline\x18\x0b \x01(\x08\x12\x0e\n\x06time_s\x18\x0c \x01(\x01\x12\x0c\n\x04last\x18\r \x01(\x08\x12-\n\x07rollout\x18\x0e \x01(\x0b\x32\x1c.bendtwin.v1.RollOutResponse\x12\x0e\n\x06strain\x18\x0f \x01(\x01\x12\x14\n\x0cstrain_limit\x18\x10 \x01(\x01\x12\x14\n\x0coverstrained\x18\x11 \x01(\r\"C\n\x06Origin\x12\x16\n\x12ORIGIN_UNSPECIFIED\x10\x00\x12\x0b\n\x07NOMINAL\x10\x01\x12\x08\n\x04MEAN\x10\x02\x12\n\n\x06SAMPLE\x10\x03\x32g\n\x0fPlanningService\x12N\n\x04Plan\x12\x18.bendtwin.v1.PlanRequest\x1a\x17.bendtwin.v1.PlanUpdate\"\x11\x9a\xb5\x18\r\x12\t/v1/plansH\x01\x30\x01\x1a\x04\x88\xb5\x18\tb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1a\x62\x65ndtwin/v1/planning.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x19\x62\x65ndtwin/v1/rollout.proto\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"\x9c\x03\n\x0bPlanRequest\x12,\n\x07rollout\x18\x01 \x01(\x0b\x32\x1b.bendtwin.v1.RollOutRequest\x12\'\n\x05space\x18\x02 \x01(\x0b\x32\x18.bendtwin.v1.ActionSpace\x12\'\n\x06method\x18\x03 \x01(\x0b\x32\x17.bendtwin.v1.PlanMethod\x12\x0f\n\x07samples\x18\x04 \x01(\r\x12\x12\n\niterations\x18\x05 \x01(\r\x12\"\n\x05sigma\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x13\n\x0b\x63orrelation\x18\x07 \x01(\x01\x12\x13\n\x06\x66inest\x18\x0c \x01(\x01H\x00\x88\x01\x01\x12\'\n\x06\x62ounds\x18\x08 \x01(\x0b\x32\x17.bendtwin.v1.PlanBounds\x12\x0c\n\x04seed\x18\t \x01(\x04\x12\x12\n\ndeadline_s\x18\n \x01(\x01\x12\x14\n\x0cshift_frames\x18\x0b \x01(\x01\x12.\n\x0cgrasp_search\x18\r \x01(\x0b\x32\x18.bendtwin.v1.GraspSearchB\t\n\x07_finest\"C\n\x0bGraspSearch\x12\"\n\x05poses\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x10\n\x08grippers\x18\x02 \x03(\r\"\x8c\x02\n\x0b\x41\x63tionSpace\x12\x39\n\x0b\x63oordinates\x18\x01 \x01(\x0e\x32$.bendtwin.v1.ActionSpace.Coordinates\x12-\n\x10group_of_control\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05start\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"o\n\x0b\x43oordinates\x12\x1b\n\x17\x43OORDINATES_UNSPECIFIED\x10\x00\x12\x0c\n\x08TOGETHER\x10\x01\x12\r\n\tPER_GROUP\x10\x02\x12\n\n\x06POINTS\x10\x03\x12\x0f\n\x0bTRANSLATION\x10\x04\x12\t\n\x05RIGID\x10\x05\"\xae\x03\n\nPlanMethod\x12,\n\x04mppi\x18\x01 \x01(\x0b\x32\x1c.bendtwin.v1.PlanMethod.MppiH\x00\x12*\n\x03\x63\x65m\x18\x02 \x01(\x0b\x32\x1b.bendtwin.v1.PlanMethod.CemH\x00\x12I\n\x13predictive_sampling\x18\x03 \x01(\x0b\x32*.bendtwin.v1.PlanMethod.PredictiveSamplingH\x00\x12\x34\n\x08gradient\x18\x04 \x01(\x0b\x32 .bendtwin.v1.PlanMethod.GradientH\x00\x1a\x1b\n\x04Mppi\x12\x13\n\x0btemperature\x18\x01 \x01(\x01\x1aY\n\x03\x43\x65m\x12\x0e\n\x06\x65lites\x18\x01 \x01(\r\x12\x13\n\x06memory\x18\x02 \x01(\x01H\x00\x88\x01\x01\x12\x15\n\x08smallest\x18\x03 \x01(\x01H\x01\x88\x01\x01\x42\t\n\x07_memoryB\x0b\n\t_smallest\x1a\x14\n\x12PredictiveSampling\x1a-\n\x08Gradient\x12!\n\x04rate\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x08\n\x06method\"u\n\nPlanBounds\x12 \n\x03low\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12!\n\x04high\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\"\n\x05speed\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\"\xbf\x05\n\nPlanUpdate\x12\"\n\x05knots\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12(\n\x0b\x63oordinates\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0c\n\x04\x63ost\x18\x03 \x01(\x01\x12\x12\n\ncost_names\x18\x04 \x03(\t\x12\'\n\ncost_terms\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x06origin\x18\x06 \x01(\x0e\x32\x1e.bendtwin.v1.PlanUpdate.Origin\x12\x14\n\x0cnominal_cost\x18\x07 \x01(\x01\x12\x12\n\niterations\x18\x08 \x01(\r\x12\x11\n\tsimulated\x18\t \x01(\r\x12\x10\n\x08\x64iverged\x18\n \x01(\r\x12\x1b\n\x13stopped_by_deadline\x18\x0b \x01(\x08\x12\x0e\n\x06time_s\x18\x0c \x01(\x01\x12\x0c\n\x04last\x18\r \x01(\x08\x12-\n\x07rollout\x18\x0e \x01(\x0b\x32\x1c.bendtwin.v1.RollOutResponse\x12\x0e\n\x06strain\x18\x0f \x01(\x01\x12\x14\n\x0cstrain_limit\x18\x10 \x01(\x01\x12\x14\n\x0coverstrained\x18\x11 \x01(\r\x12\x12\n\x05grasp\x18\x12 \x01(\rH\x00\x88\x01\x01\x12(\n\x0bgrasp_costs\x18\x13 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x1a\n\rgrasp_force_n\x18\x14 \x01(\x01H\x01\x88\x01\x01\x12 \n\x13grasp_force_limit_n\x18\x15 \x01(\x01H\x02\x88\x01\x01\"C\n\x06Origin\x12\x16\n\x12ORIGIN_UNSPECIFIED\x10\x00\x12\x0b\n\x07NOMINAL\x10\x01\x12\x08\n\x04MEAN\x10\x02\x12\n\n\x06SAMPLE\x10\x03\x42\x08\n\x06_graspB\x10\n\x0e_grasp_force_nB\x16\n\x14_grasp_force_limit_n2g\n\x0fPlanningService\x12N\n\x04Plan\x12\x18.bendtwin.v1.PlanRequest\x1a\x17.bendtwin.v1.PlanUpdate\"\x11\x9a\xb5\x18\r\x12\t/v1/plansH\x01\x30\x01\x1a\x04\x88\xb5\x18\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -39,27 +39,29 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_PLANNINGSERVICE'].methods_by_name['Plan']._loaded_options = None
   _globals['_PLANNINGSERVICE'].methods_by_name['Plan']._serialized_options = b'\232\265\030\r\022\t/v1/plansH\001'
   _globals['_PLANREQUEST']._serialized_start=124
-  _globals['_PLANREQUEST']._serialized_end=488
-  _globals['_ACTIONSPACE']._serialized_start=491
-  _globals['_ACTIONSPACE']._serialized_end=759
-  _globals['_ACTIONSPACE_COORDINATES']._serialized_start=648
-  _globals['_ACTIONSPACE_COORDINATES']._serialized_end=759
-  _globals['_PLANMETHOD']._serialized_start=762
-  _globals['_PLANMETHOD']._serialized_end=1192
-  _globals['_PLANMETHOD_MPPI']._serialized_start=995
-  _globals['_PLANMETHOD_MPPI']._serialized_end=1022
-  _globals['_PLANMETHOD_CEM']._serialized_start=1024
-  _globals['_PLANMETHOD_CEM']._serialized_end=1113
-  _globals['_PLANMETHOD_PREDICTIVESAMPLING']._serialized_start=1115
-  _globals['_PLANMETHOD_PREDICTIVESAMPLING']._serialized_end=1135
-  _globals['_PLANMETHOD_GRADIENT']._serialized_start=1137
-  _globals['_PLANMETHOD_GRADIENT']._serialized_end=1182
-  _globals['_PLANBOUNDS']._serialized_start=1194
-  _globals['_PLANBOUNDS']._serialized_end=1311
-  _globals['_PLANUPDATE']._serialized_start=1314
-  _globals['_PLANUPDATE']._serialized_end=1841
-  _globals['_PLANUPDATE_ORIGIN']._serialized_start=1774
-  _globals['_PLANUPDATE_ORIGIN']._serialized_end=1841
-  _globals['_PLANNINGSERVICE']._serialized_start=1843
-  _globals['_PLANNINGSERVICE']._serialized_end=1946
+  _globals['_PLANREQUEST']._serialized_end=536
+  _globals['_GRASPSEARCH']._serialized_start=538
+  _globals['_GRASPSEARCH']._serialized_end=605
+  _globals['_ACTIONSPACE']._serialized_start=608
+  _globals['_ACTIONSPACE']._serialized_end=876
+  _globals['_ACTIONSPACE_COORDINATES']._serialized_start=765
+  _globals['_ACTIONSPACE_COORDINATES']._serialized_end=876
+  _globals['_PLANMETHOD']._serialized_start=879
+  _globals['_PLANMETHOD']._serialized_end=1309
+  _globals['_PLANMETHOD_MPPI']._serialized_start=1112
+  _globals['_PLANMETHOD_MPPI']._serialized_end=1139
+  _globals['_PLANMETHOD_CEM']._serialized_start=1141
+  _globals['_PLANMETHOD_CEM']._serialized_end=1230
+  _globals['_PLANMETHOD_PREDICTIVESAMPLING']._serialized_start=1232
+  _globals['_PLANMETHOD_PREDICTIVESAMPLING']._serialized_end=1252
+  _globals['_PLANMETHOD_GRADIENT']._serialized_start=1254
+  _globals['_PLANMETHOD_GRADIENT']._serialized_end=1299
+  _globals['_PLANBOUNDS']._serialized_start=1311
+  _globals['_PLANBOUNDS']._serialized_end=1428
+  _globals['_PLANUPDATE']._serialized_start=1431
+  _globals['_PLANUPDATE']._serialized_end=2134
+  _globals['_PLANUPDATE_ORIGIN']._serialized_start=2015
+  _globals['_PLANUPDATE_ORIGIN']._serialized_end=2082
+  _globals['_PLANNINGSERVICE']._serialized_start=2136
+  _globals['_PLANNINGSERVICE']._serialized_end=2239
 # @@protoc_insertion_point(module_scope)

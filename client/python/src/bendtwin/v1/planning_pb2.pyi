@@ -37,6 +37,7 @@ class PlanRequest(_message.Message):
     SEED_FIELD_NUMBER: _builtins.int
     DEADLINE_S_FIELD_NUMBER: _builtins.int
     SHIFT_FRAMES_FIELD_NUMBER: _builtins.int
+    GRASP_SEARCH_FIELD_NUMBER: _builtins.int
     samples: _builtins.int
     """Plans simulated in an iteration. Default (0): 64, or 1 with a gradient."""
     iterations: _builtins.int
@@ -80,6 +81,10 @@ class PlanRequest(_message.Message):
 
     @_builtins.property
     def bounds(self) -> Global___PlanBounds: ...
+    @_builtins.property
+    def grasp_search(self) -> Global___GraspSearch:
+        """Places to grasp, searched together with the motion."""
+
     def __init__(
         self,
         *,
@@ -95,16 +100,51 @@ class PlanRequest(_message.Message):
         seed: _builtins.int = ...,
         deadline_s: _builtins.float = ...,
         shift_frames: _builtins.float = ...,
+        grasp_search: Global___GraspSearch | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_finest", b"_finest", "bounds", b"bounds", "finest", b"finest", "method", b"method", "rollout", b"rollout", "sigma", b"sigma", "space", b"space"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_finest", b"_finest", "bounds", b"bounds", "finest", b"finest", "grasp_search", b"grasp_search", "method", b"method", "rollout", b"rollout", "sigma", b"sigma", "space", b"space"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_finest", b"_finest", "bounds", b"bounds", "correlation", b"correlation", "deadline_s", b"deadline_s", "finest", b"finest", "iterations", b"iterations", "method", b"method", "rollout", b"rollout", "samples", b"samples", "seed", b"seed", "shift_frames", b"shift_frames", "sigma", b"sigma", "space", b"space"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_finest", b"_finest", "bounds", b"bounds", "correlation", b"correlation", "deadline_s", b"deadline_s", "finest", b"finest", "grasp_search", b"grasp_search", "iterations", b"iterations", "method", b"method", "rollout", b"rollout", "samples", b"samples", "seed", b"seed", "shift_frames", b"shift_frames", "sigma", b"sigma", "space", b"space"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__finest: _TypeAlias = _typing.Literal["finest"]  # noqa: Y015
     _WhichOneofArgType__finest: _TypeAlias = _typing.Literal["_finest", b"_finest"]  # noqa: Y015
     def WhichOneof(self, oneof_group: _WhichOneofArgType__finest) -> _WhichOneofReturnType__finest | None: ...
 
 Global___PlanRequest: _TypeAlias = PlanRequest  # noqa: Y015
+
+@_typing.final
+class GraspSearch(_message.Message):
+    """Search over P places to grasp: each is tried with its own motion in the plan's space, and the worse half is given
+    up after each round. The iterations of the request are shared among the rounds; each plan of a place begins there
+    and otherwise moves like the nominal plan. Limits of strain and of the force of grasps
+    (`rollout.plausibility`) decide between places as they do between plans. Only with poses as actions.
+    """
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    POSES_FIELD_NUMBER: _builtins.int
+    GRIPPERS_FIELD_NUMBER: _builtins.int
+    @_builtins.property
+    def poses(self) -> _tensor_pb2.Tensor:
+        """Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 [P, G', 7], P in 2..256."""
+
+    @_builtins.property
+    def grippers(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
+        """Grippers whose places are searched, ascending; empty: all."""
+
+    def __init__(
+        self,
+        *,
+        poses: _tensor_pb2.Tensor | None = ...,
+        grippers: _abc.Iterable[_builtins.int] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["poses", b"poses"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["grippers", b"grippers", "poses", b"poses"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___GraspSearch: _TypeAlias = GraspSearch  # noqa: Y015
 
 @_typing.final
 class ActionSpace(_message.Message):
@@ -384,6 +424,10 @@ class PlanUpdate(_message.Message):
     STRAIN_FIELD_NUMBER: _builtins.int
     STRAIN_LIMIT_FIELD_NUMBER: _builtins.int
     OVERSTRAINED_FIELD_NUMBER: _builtins.int
+    GRASP_FIELD_NUMBER: _builtins.int
+    GRASP_COSTS_FIELD_NUMBER: _builtins.int
+    GRASP_FORCE_N_FIELD_NUMBER: _builtins.int
+    GRASP_FORCE_LIMIT_N_FIELD_NUMBER: _builtins.int
     cost: _builtins.float
     """Cost of exactly these knots, as simulated."""
     origin: Global___PlanUpdate.Origin.ValueType
@@ -407,6 +451,15 @@ class PlanUpdate(_message.Message):
     strain_limit: _builtins.float
     overstrained: _builtins.int
     """Plans beyond the strain limit that did not diverge."""
+    grasp: _builtins.int
+    """With `grasp_search`: the place of the best plan, and the cost of the best plan of each place, FLOAT64 [P]; +inf
+    where every plan diverged.
+    """
+    grasp_force_n: _builtins.float
+    """Largest mean force of a grasp over a frame in the motion of the best plan, and the limit; absent without a limit
+    in `plausibility.grasp_force_n`.
+    """
+    grasp_force_limit_n: _builtins.float
     @_builtins.property
     def knots(self) -> _tensor_pb2.Tensor:
         """FLOAT32, in the shape of the request's actions: [1, K, C, 3] or [1, K, G, 7]."""
@@ -425,6 +478,8 @@ class PlanUpdate(_message.Message):
     def rollout(self) -> _rollout_pb2.RollOutResponse:
         """In the last update, if returns were requested: the rollout of the best plan."""
 
+    @_builtins.property
+    def grasp_costs(self) -> _tensor_pb2.Tensor: ...
     def __init__(
         self,
         *,
@@ -445,11 +500,26 @@ class PlanUpdate(_message.Message):
         strain: _builtins.float = ...,
         strain_limit: _builtins.float = ...,
         overstrained: _builtins.int = ...,
+        grasp: _builtins.int | None = ...,
+        grasp_costs: _tensor_pb2.Tensor | None = ...,
+        grasp_force_n: _builtins.float | None = ...,
+        grasp_force_limit_n: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["coordinates", b"coordinates", "cost_terms", b"cost_terms", "knots", b"knots", "rollout", b"rollout"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_grasp", b"_grasp", "_grasp_force_limit_n", b"_grasp_force_limit_n", "_grasp_force_n", b"_grasp_force_n", "coordinates", b"coordinates", "cost_terms", b"cost_terms", "grasp", b"grasp", "grasp_costs", b"grasp_costs", "grasp_force_limit_n", b"grasp_force_limit_n", "grasp_force_n", b"grasp_force_n", "knots", b"knots", "rollout", b"rollout"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["coordinates", b"coordinates", "cost", b"cost", "cost_names", b"cost_names", "cost_terms", b"cost_terms", "diverged", b"diverged", "iterations", b"iterations", "knots", b"knots", "last", b"last", "nominal_cost", b"nominal_cost", "origin", b"origin", "overstrained", b"overstrained", "rollout", b"rollout", "simulated", b"simulated", "stopped_by_deadline", b"stopped_by_deadline", "strain", b"strain", "strain_limit", b"strain_limit", "time_s", b"time_s"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_grasp", b"_grasp", "_grasp_force_limit_n", b"_grasp_force_limit_n", "_grasp_force_n", b"_grasp_force_n", "coordinates", b"coordinates", "cost", b"cost", "cost_names", b"cost_names", "cost_terms", b"cost_terms", "diverged", b"diverged", "grasp", b"grasp", "grasp_costs", b"grasp_costs", "grasp_force_limit_n", b"grasp_force_limit_n", "grasp_force_n", b"grasp_force_n", "iterations", b"iterations", "knots", b"knots", "last", b"last", "nominal_cost", b"nominal_cost", "origin", b"origin", "overstrained", b"overstrained", "rollout", b"rollout", "simulated", b"simulated", "stopped_by_deadline", b"stopped_by_deadline", "strain", b"strain", "strain_limit", b"strain_limit", "time_s", b"time_s"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
-    def WhichOneof(self, oneof_group: _Never) -> None: ...
+    _WhichOneofReturnType__grasp: _TypeAlias = _typing.Literal["grasp"]  # noqa: Y015
+    _WhichOneofArgType__grasp: _TypeAlias = _typing.Literal["_grasp", b"_grasp"]  # noqa: Y015
+    _WhichOneofReturnType__grasp_force_limit_n: _TypeAlias = _typing.Literal["grasp_force_limit_n"]  # noqa: Y015
+    _WhichOneofArgType__grasp_force_limit_n: _TypeAlias = _typing.Literal["_grasp_force_limit_n", b"_grasp_force_limit_n"]  # noqa: Y015
+    _WhichOneofReturnType__grasp_force_n: _TypeAlias = _typing.Literal["grasp_force_n"]  # noqa: Y015
+    _WhichOneofArgType__grasp_force_n: _TypeAlias = _typing.Literal["_grasp_force_n", b"_grasp_force_n"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__grasp) -> _WhichOneofReturnType__grasp | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__grasp_force_limit_n) -> _WhichOneofReturnType__grasp_force_limit_n | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__grasp_force_n) -> _WhichOneofReturnType__grasp_force_n | None: ...
 
 Global___PlanUpdate: _TypeAlias = PlanUpdate  # noqa: Y015

@@ -371,6 +371,7 @@ class Plausibility(_message.Message):
     STRAIN_FIELD_NUMBER: _builtins.int
     REFUSE_FIELD_NUMBER: _builtins.int
     CONTROL_DEPTH_M_FIELD_NUMBER: _builtins.int
+    GRASP_FORCE_N_FIELD_NUMBER: _builtins.int
     start_gap_m: _builtins.float
     """Largest distance between the initial state's control points and row 0 of the actions; default 0.005. The
     limit is 0.02 larger if a given state has no control points.
@@ -385,6 +386,8 @@ class Plausibility(_message.Message):
     a control point beyond its depth in the initial state; default 0.005. Hands and grippers stop at that depth
     below the ground (Diagnostics.stopped_hand_m).
     """
+    grasp_force_n: _builtins.float
+    """Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none."""
     def __init__(
         self,
         *,
@@ -393,15 +396,18 @@ class Plausibility(_message.Message):
         strain: _builtins.float | None = ...,
         refuse: _builtins.bool = ...,
         control_depth_m: _builtins.float | None = ...,
+        grasp_force_n: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_control_depth_m", b"_control_depth_m", "_control_speed_m_s", b"_control_speed_m_s", "_start_gap_m", b"_start_gap_m", "_strain", b"_strain", "control_depth_m", b"control_depth_m", "control_speed_m_s", b"control_speed_m_s", "start_gap_m", b"start_gap_m", "strain", b"strain"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_control_depth_m", b"_control_depth_m", "_control_speed_m_s", b"_control_speed_m_s", "_grasp_force_n", b"_grasp_force_n", "_start_gap_m", b"_start_gap_m", "_strain", b"_strain", "control_depth_m", b"control_depth_m", "control_speed_m_s", b"control_speed_m_s", "grasp_force_n", b"grasp_force_n", "start_gap_m", b"start_gap_m", "strain", b"strain"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_control_depth_m", b"_control_depth_m", "_control_speed_m_s", b"_control_speed_m_s", "_start_gap_m", b"_start_gap_m", "_strain", b"_strain", "control_depth_m", b"control_depth_m", "control_speed_m_s", b"control_speed_m_s", "refuse", b"refuse", "start_gap_m", b"start_gap_m", "strain", b"strain"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_control_depth_m", b"_control_depth_m", "_control_speed_m_s", b"_control_speed_m_s", "_grasp_force_n", b"_grasp_force_n", "_start_gap_m", b"_start_gap_m", "_strain", b"_strain", "control_depth_m", b"control_depth_m", "control_speed_m_s", b"control_speed_m_s", "grasp_force_n", b"grasp_force_n", "refuse", b"refuse", "start_gap_m", b"start_gap_m", "strain", b"strain"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__control_depth_m: _TypeAlias = _typing.Literal["control_depth_m"]  # noqa: Y015
     _WhichOneofArgType__control_depth_m: _TypeAlias = _typing.Literal["_control_depth_m", b"_control_depth_m"]  # noqa: Y015
     _WhichOneofReturnType__control_speed_m_s: _TypeAlias = _typing.Literal["control_speed_m_s"]  # noqa: Y015
     _WhichOneofArgType__control_speed_m_s: _TypeAlias = _typing.Literal["_control_speed_m_s", b"_control_speed_m_s"]  # noqa: Y015
+    _WhichOneofReturnType__grasp_force_n: _TypeAlias = _typing.Literal["grasp_force_n"]  # noqa: Y015
+    _WhichOneofArgType__grasp_force_n: _TypeAlias = _typing.Literal["_grasp_force_n", b"_grasp_force_n"]  # noqa: Y015
     _WhichOneofReturnType__start_gap_m: _TypeAlias = _typing.Literal["start_gap_m"]  # noqa: Y015
     _WhichOneofArgType__start_gap_m: _TypeAlias = _typing.Literal["_start_gap_m", b"_start_gap_m"]  # noqa: Y015
     _WhichOneofReturnType__strain: _TypeAlias = _typing.Literal["strain"]  # noqa: Y015
@@ -410,6 +416,8 @@ class Plausibility(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__control_depth_m) -> _WhichOneofReturnType__control_depth_m | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__control_speed_m_s) -> _WhichOneofReturnType__control_speed_m_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__grasp_force_n) -> _WhichOneofReturnType__grasp_force_n | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__start_gap_m) -> _WhichOneofReturnType__start_gap_m | None: ...
     @_typing.overload
@@ -956,6 +964,135 @@ class Cost(_message.Message):
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
         def WhichOneof(self, oneof_group: _Never) -> None: ...
 
+    @_typing.final
+    class Order(_message.Message):
+        """Order of nodes along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) -
+        x))^2, square metres. 0 if each node is at least `gap_m` ahead of the one before it.
+        """
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        NODES_FIELD_NUMBER: _builtins.int
+        DIRECTION_FIELD_NUMBER: _builtins.int
+        GAP_M_FIELD_NUMBER: _builtins.int
+        gap_m: _builtins.float
+        """At least 0."""
+        @_builtins.property
+        def nodes(self) -> _tensor_pb2.Tensor:
+            """UINT32 [M], M >= 2."""
+
+        @_builtins.property
+        def direction(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+            """Unit vector, three numbers."""
+
+        def __init__(
+            self,
+            *,
+            nodes: _tensor_pb2.Tensor | None = ...,
+            direction: _abc.Iterable[_builtins.float] | None = ...,
+            gap_m: _builtins.float = ...,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _typing.Literal["nodes", b"nodes"]  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["direction", b"direction", "gap_m", b"gap_m", "nodes", b"nodes"]  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+    @_typing.final
+    class Winding(_message.Message):
+        """Winding of a chain of nodes around a straight line: (turns - wanted turns)^2. The turns are the sum of the
+        angles between neighbours in the list as seen along the line, over 2 pi; positive is counter-clockwise seen
+        against its direction. The gradient is that of the angles; it jumps where the chain crosses the line.
+        """
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        @_typing.final
+        class Axis(_message.Message):
+            DESCRIPTOR: _descriptor.Descriptor
+
+            POINT_FIELD_NUMBER: _builtins.int
+            DIRECTION_FIELD_NUMBER: _builtins.int
+            @_builtins.property
+            def point(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+                """Three numbers each: a point, metres, and a unit vector."""
+
+            @_builtins.property
+            def direction(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+            def __init__(
+                self,
+                *,
+                point: _abc.Iterable[_builtins.float] | None = ...,
+                direction: _abc.Iterable[_builtins.float] | None = ...,
+            ) -> None: ...
+            _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+            def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+            _ClearFieldArgType: _TypeAlias = _typing.Literal["direction", b"direction", "point", b"point"]  # noqa: Y015
+            def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+            def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+        NODES_FIELD_NUMBER: _builtins.int
+        AXIS_FIELD_NUMBER: _builtins.int
+        COLLIDER_FIELD_NUMBER: _builtins.int
+        TURNS_FIELD_NUMBER: _builtins.int
+        collider: _builtins.int
+        """Index of a static collider of the request that is a capsule: its axis."""
+        turns: _builtins.float
+        """Wanted turns, -100..100."""
+        @_builtins.property
+        def nodes(self) -> _tensor_pb2.Tensor:
+            """UINT32 [M], M >= 2."""
+
+        @_builtins.property
+        def axis(self) -> Global___Cost.Winding.Axis: ...
+        def __init__(
+            self,
+            *,
+            nodes: _tensor_pb2.Tensor | None = ...,
+            axis: Global___Cost.Winding.Axis | None = ...,
+            collider: _builtins.int = ...,
+            turns: _builtins.float = ...,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _typing.Literal["around", b"around", "axis", b"axis", "collider", b"collider", "nodes", b"nodes"]  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["around", b"around", "axis", b"axis", "collider", b"collider", "nodes", b"nodes", "turns", b"turns"]  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        _WhichOneofReturnType_around: _TypeAlias = _typing.Literal["axis", "collider"]  # noqa: Y015
+        _WhichOneofArgType_around: _TypeAlias = _typing.Literal["around", b"around"]  # noqa: Y015
+        def WhichOneof(self, oneof_group: _WhichOneofArgType_around) -> _WhichOneofReturnType_around | None: ...
+
+    @_typing.final
+    class Coverage(_message.Message):
+        """Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)) with the distance d to the
+        nearest point of the twin's surface.
+        """
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        POINTS_FIELD_NUMBER: _builtins.int
+        REACH_M_FIELD_NUMBER: _builtins.int
+        POINT_SET_FIELD_NUMBER: _builtins.int
+        reach_m: _builtins.float
+        """Above 0; about half the spacing of the surface's points."""
+        point_set: Global___PointSet.ValueType
+        """Points of the surface: SKIN, the default, or NODES for the surface nodes."""
+        @_builtins.property
+        def points(self) -> _tensor_pb2.Tensor:
+            """FLOAT32 [M, 3], metres."""
+
+        def __init__(
+            self,
+            *,
+            points: _tensor_pb2.Tensor | None = ...,
+            reach_m: _builtins.float = ...,
+            point_set: Global___PointSet.ValueType = ...,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _typing.Literal["points", b"points"]  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["point_set", b"point_set", "points", b"points", "reach_m", b"reach_m"]  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        def WhichOneof(self, oneof_group: _Never) -> None: ...
+
     NAME_FIELD_NUMBER: _builtins.int
     WEIGHT_FIELD_NUMBER: _builtins.int
     WHEN_FIELD_NUMBER: _builtins.int
@@ -969,7 +1106,11 @@ class Cost(_message.Message):
     CLEARANCE_FIELD_NUMBER: _builtins.int
     CONTROL_PATH_FIELD_NUMBER: _builtins.int
     CONTROL_SPEED_FIELD_NUMBER: _builtins.int
+    ORDER_FIELD_NUMBER: _builtins.int
+    WINDING_FIELD_NUMBER: _builtins.int
+    COVERAGE_FIELD_NUMBER: _builtins.int
     TEMPERATURE_FIELD_NUMBER: _builtins.int
+    SUCCESS_AT_MOST_FIELD_NUMBER: _builtins.int
     name: _builtins.str
     """Name in replies; default `cost{index}`. Names must differ; at most 128 bytes each."""
     weight: _builtins.float
@@ -979,6 +1120,11 @@ class Cost(_message.Message):
     temperature: _builtins.float
     """Temperature of SOFT_MIN, above 0: the difference in cost at which frames count for clearly less, in the
     unit of the cost.
+    """
+    success_at_most: _builtins.float
+    """Condition of success: the value of the cost after the last frame, without its weight and regardless of
+    `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one
+    (RollOutResponse.successes). Not for costs of forces, of smoothness, or of control points. A condition has no gradient.
     """
     @_builtins.property
     def target_cloud(self) -> Global___Cost.TargetCloud: ...
@@ -1000,6 +1146,12 @@ class Cost(_message.Message):
     def control_path(self) -> Global___Cost.ControlPath: ...
     @_builtins.property
     def control_speed(self) -> Global___Cost.ControlSpeed: ...
+    @_builtins.property
+    def order(self) -> Global___Cost.Order: ...
+    @_builtins.property
+    def winding(self) -> Global___Cost.Winding: ...
+    @_builtins.property
+    def coverage(self) -> Global___Cost.Coverage: ...
     def __init__(
         self,
         *,
@@ -1016,16 +1168,24 @@ class Cost(_message.Message):
         clearance: Global___Cost.Clearance | None = ...,
         control_path: Global___Cost.ControlPath | None = ...,
         control_speed: Global___Cost.ControlSpeed | None = ...,
+        order: Global___Cost.Order | None = ...,
+        winding: Global___Cost.Winding | None = ...,
+        coverage: Global___Cost.Coverage | None = ...,
         temperature: _builtins.float = ...,
+        success_at_most: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_weight", b"_weight", "clearance", b"clearance", "control_path", b"control_path", "control_speed", b"control_speed", "force", b"force", "height", b"height", "keypoints", b"keypoints", "kind", b"kind", "smoothness", b"smoothness", "strain", b"strain", "target_cloud", b"target_cloud", "weight", b"weight", "within", b"within"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_success_at_most", b"_success_at_most", "_weight", b"_weight", "clearance", b"clearance", "control_path", b"control_path", "control_speed", b"control_speed", "coverage", b"coverage", "force", b"force", "height", b"height", "keypoints", b"keypoints", "kind", b"kind", "order", b"order", "smoothness", b"smoothness", "strain", b"strain", "success_at_most", b"success_at_most", "target_cloud", b"target_cloud", "weight", b"weight", "winding", b"winding", "within", b"within"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_weight", b"_weight", "clearance", b"clearance", "control_path", b"control_path", "control_speed", b"control_speed", "force", b"force", "height", b"height", "keypoints", b"keypoints", "kind", b"kind", "name", b"name", "smoothness", b"smoothness", "strain", b"strain", "target_cloud", b"target_cloud", "temperature", b"temperature", "weight", b"weight", "when", b"when", "within", b"within"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_success_at_most", b"_success_at_most", "_weight", b"_weight", "clearance", b"clearance", "control_path", b"control_path", "control_speed", b"control_speed", "coverage", b"coverage", "force", b"force", "height", b"height", "keypoints", b"keypoints", "kind", b"kind", "name", b"name", "order", b"order", "smoothness", b"smoothness", "strain", b"strain", "success_at_most", b"success_at_most", "target_cloud", b"target_cloud", "temperature", b"temperature", "weight", b"weight", "when", b"when", "winding", b"winding", "within", b"within"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__success_at_most: _TypeAlias = _typing.Literal["success_at_most"]  # noqa: Y015
+    _WhichOneofArgType__success_at_most: _TypeAlias = _typing.Literal["_success_at_most", b"_success_at_most"]  # noqa: Y015
     _WhichOneofReturnType__weight: _TypeAlias = _typing.Literal["weight"]  # noqa: Y015
     _WhichOneofArgType__weight: _TypeAlias = _typing.Literal["_weight", b"_weight"]  # noqa: Y015
-    _WhichOneofReturnType_kind: _TypeAlias = _typing.Literal["target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed"]  # noqa: Y015
+    _WhichOneofReturnType_kind: _TypeAlias = _typing.Literal["target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed", "order", "winding", "coverage"]  # noqa: Y015
     _WhichOneofArgType_kind: _TypeAlias = _typing.Literal["kind", b"kind"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__success_at_most) -> _WhichOneofReturnType__success_at_most | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__weight) -> _WhichOneofReturnType__weight | None: ...
     @_typing.overload
@@ -1233,7 +1393,7 @@ class RollOutResponse(_message.Message):
         FRAME_FIELD_NUMBER: _builtins.int
         instance: _builtins.int
         reason: _builtins.str
-        """START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE."""
+        """START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE, GRASP_FORCE."""
         found: _builtins.float
         """Largest value found, and the limit, in the unit of the limit."""
         limit: _builtins.float
@@ -1423,6 +1583,7 @@ class RollOutResponse(_message.Message):
     WINDOW_FIELD_NUMBER: _builtins.int
     UNFINISHED_FIELD_NUMBER: _builtins.int
     SPREAD_FIELD_NUMBER: _builtins.int
+    SUCCESSES_FIELD_NUMBER: _builtins.int
     first_instance: _builtins.int
     """First of the instances that this part covers: first_instance .. first_instance + B'."""
     worker: _builtins.str
@@ -1558,6 +1719,12 @@ class RollOutResponse(_message.Message):
         diverged.
         """
 
+    @_builtins.property
+    def successes(self) -> _tensor_pb2.Tensor:
+        """Present if a cost has a condition of success: 1 for an instance that meets all conditions, otherwise 0, also
+        where it diverged; with an ensemble the share of members. FLOAT32 [B'].
+        """
+
     def __init__(
         self,
         *,
@@ -1597,10 +1764,11 @@ class RollOutResponse(_message.Message):
         window: Global___RollOutResponse.Window | None = ...,
         unfinished: _tensor_pb2.Tensor | None = ...,
         spread: _tensor_pb2.Tensor | None = ...,
+        successes: _tensor_pb2.Tensor | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_mass_kg", b"_mass_kg", "action_gradients", b"action_gradients", "control_gradients", b"control_gradients", "controls", b"controls", "cost_terms", b"cost_terms", "costs", b"costs", "deviation", b"deviation", "final_commanded_controls", b"final_commanded_controls", "final_controls", b"final_controls", "final_grasping", b"final_grasping", "final_positions", b"final_positions", "final_twists", b"final_twists", "final_velocities", b"final_velocities", "forces", b"forces", "frame_costs", b"frame_costs", "frames", b"frames", "gradient_exploded", b"gradient_exploded", "gradient_norms", b"gradient_norms", "initial_position_gradients", b"initial_position_gradients", "initial_velocity_gradients", b"initial_velocity_gradients", "instances", b"instances", "mass_kg", b"mass_kg", "member_costs", b"member_costs", "positions", b"positions", "spread", b"spread", "timing", b"timing", "unfinished", b"unfinished", "velocities", b"velocities", "window", b"window"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_mass_kg", b"_mass_kg", "action_gradients", b"action_gradients", "control_gradients", b"control_gradients", "controls", b"controls", "cost_terms", b"cost_terms", "costs", b"costs", "deviation", b"deviation", "final_commanded_controls", b"final_commanded_controls", "final_controls", b"final_controls", "final_grasping", b"final_grasping", "final_positions", b"final_positions", "final_twists", b"final_twists", "final_velocities", b"final_velocities", "forces", b"forces", "frame_costs", b"frame_costs", "frames", b"frames", "gradient_exploded", b"gradient_exploded", "gradient_norms", b"gradient_norms", "initial_position_gradients", b"initial_position_gradients", "initial_velocity_gradients", b"initial_velocity_gradients", "instances", b"instances", "mass_kg", b"mass_kg", "member_costs", b"member_costs", "positions", b"positions", "spread", b"spread", "successes", b"successes", "timing", b"timing", "unfinished", b"unfinished", "velocities", b"velocities", "window", b"window"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_mass_kg", b"_mass_kg", "action_gradients", b"action_gradients", "control_gradients", b"control_gradients", "controls", b"controls", "cost_names", b"cost_names", "cost_terms", b"cost_terms", "costs", b"costs", "deviation", b"deviation", "diagnostics", b"diagnostics", "diverged", b"diverged", "fidelity", b"fidelity", "final_commanded_controls", b"final_commanded_controls", "final_controls", b"final_controls", "final_grasping", b"final_grasping", "final_positions", b"final_positions", "final_twists", b"final_twists", "final_velocities", b"final_velocities", "first_instance", b"first_instance", "forces", b"forces", "frame_costs", b"frame_costs", "frames", b"frames", "gradient_exploded", b"gradient_exploded", "gradient_norms", b"gradient_norms", "implausible", b"implausible", "initial_position_gradients", b"initial_position_gradients", "initial_velocity_gradients", b"initial_velocity_gradients", "instances", b"instances", "mass_kg", b"mass_kg", "member_costs", b"member_costs", "positions", b"positions", "spread", b"spread", "substeps", b"substeps", "timing", b"timing", "unfinished", b"unfinished", "velocities", b"velocities", "window", b"window", "worker", b"worker"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_mass_kg", b"_mass_kg", "action_gradients", b"action_gradients", "control_gradients", b"control_gradients", "controls", b"controls", "cost_names", b"cost_names", "cost_terms", b"cost_terms", "costs", b"costs", "deviation", b"deviation", "diagnostics", b"diagnostics", "diverged", b"diverged", "fidelity", b"fidelity", "final_commanded_controls", b"final_commanded_controls", "final_controls", b"final_controls", "final_grasping", b"final_grasping", "final_positions", b"final_positions", "final_twists", b"final_twists", "final_velocities", b"final_velocities", "first_instance", b"first_instance", "forces", b"forces", "frame_costs", b"frame_costs", "frames", b"frames", "gradient_exploded", b"gradient_exploded", "gradient_norms", b"gradient_norms", "implausible", b"implausible", "initial_position_gradients", b"initial_position_gradients", "initial_velocity_gradients", b"initial_velocity_gradients", "instances", b"instances", "mass_kg", b"mass_kg", "member_costs", b"member_costs", "positions", b"positions", "spread", b"spread", "substeps", b"substeps", "successes", b"successes", "timing", b"timing", "unfinished", b"unfinished", "velocities", b"velocities", "window", b"window", "worker", b"worker"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__mass_kg: _TypeAlias = _typing.Literal["mass_kg"]  # noqa: Y015
     _WhichOneofArgType__mass_kg: _TypeAlias = _typing.Literal["_mass_kg", b"_mass_kg"]  # noqa: Y015

@@ -24,13 +24,14 @@ _sym_db = _symbol_database.Default()
 
 from bendtwin.v1 import options_pb2 as bendtwin_dot_v1_dot_options__pb2
 from bendtwin.v1 import fault_pb2 as bendtwin_dot_v1_dot_fault__pb2
+from bendtwin.v1 import picture_pb2 as bendtwin_dot_v1_dot_picture__pb2
 from bendtwin.v1 import planning_pb2 as bendtwin_dot_v1_dot_planning__pb2
 from bendtwin.v1 import registration_pb2 as bendtwin_dot_v1_dot_registration__pb2
 from bendtwin.v1 import rollout_pb2 as bendtwin_dot_v1_dot_rollout__pb2
 from bendtwin.v1 import world_pb2 as bendtwin_dot_v1_dot_world__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/session.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x17\x62\x65ndtwin/v1/fault.proto\x1a\x1a\x62\x65ndtwin/v1/planning.proto\x1a\x1e\x62\x65ndtwin/v1/registration.proto\x1a\x19\x62\x65ndtwin/v1/rollout.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\"\xa3\x01\n\x07Session\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04twin\x18\x02 \x01(\t\x12\r\n\x05slots\x18\x03 \x01(\r\x12\x0e\n\x06\x66rames\x18\x04 \x03(\x04\x12\x16\n\x0eidle_timeout_s\x18\x05 \x01(\x01\x12\x0e\n\x06worker\x18\x06 \x01(\t\x12\'\n\x08\x66idelity\x18\x07 \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x0c\n\x04lost\x18\x08 \x03(\r\"=\n\x08Tracking\x12\x0c\n\x04lost\x18\x01 \x01(\x08\x12\x0e\n\x06misfit\x18\x02 \x01(\x01\x12\x13\n\x0bunexplained\x18\x03 \x01(\r\"\xe5\x01\n\x12OpenSessionRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12*\n\x07initial\x18\x02 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12\r\n\x05slots\x18\x03 \x01(\r\x12!\n\x05world\x18\x04 \x01(\x0b\x32\x12.bendtwin.v1.World\x12\"\n\x06grasps\x18\x05 \x03(\x0b\x32\x12.bendtwin.v1.Grasp\x12\'\n\x08\x66idelity\x18\x06 \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x16\n\x0eidle_timeout_s\x18\x07 \x01(\x01\"!\n\x11GetSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"S\n\x17GetSessionStatesRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12*\n\x05slots\x18\x02 \x03(\rB\x1b\x8a\xb5\x18\x17\"\x15^([0-9]+(,[0-9]+)*)?$\"d\n\rSessionStates\x12\x34\n\x06states\x18\x01 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12\r\n\x05slots\x18\x02 \x03(\r\x12\x0e\n\x06\x66rames\x18\x03 \x03(\x04\"b\n\x15\x41\x64vanceSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05slots\x18\x02 \x03(\r\x12,\n\x07rollout\x18\x03 \x01(\x0b\x32\x1b.bendtwin.v1.RollOutRequest\"<\n\x12\x46orkSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04\x66rom\x18\x02 \x01(\r\x12\n\n\x02to\x18\x03 \x03(\r\"^\n\x13ResetSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05slots\x18\x02 \x03(\r\x12*\n\x07initial\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\"\x91\x01\n\x15\x43orrectSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05slots\x18\x02 \x03(\r\x12-\n\x0bobservation\x18\x03 \x01(\x0b\x32\x18.bendtwin.v1.Observation\x12,\n\x07options\x18\x04 \x01(\x0b\x32\x1b.bendtwin.v1.CorrectOptions\"\xe6\x02\n\x10\x43orrectedSession\x12%\n\x07session\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Session\x12=\n\x0b\x63orrections\x18\x02 \x03(\x0b\x32(.bendtwin.v1.CorrectedSession.Correction\x1a\xeb\x01\n\nCorrection\x12\x0c\n\x04slot\x18\x01 \x01(\r\x12%\n\x06\x62\x65\x66ore\x18\x02 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12$\n\x05\x61\x66ter\x18\x03 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12\x10\n\x08moved_mm\x18\x04 \x01(\x01\x12\x33\n\x05state\x18\x05 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12\'\n\x08tracking\x18\x06 \x01(\x0b\x32\x15.bendtwin.v1.Tracking\x12\x12\n\nregistered\x18\x07 \x01(\x08\"\xe5\x01\n\x12StepSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04slot\x18\x02 \x01(\r\x12\x36\n\ncorrection\x18\x03 \x01(\x0b\x32\".bendtwin.v1.CorrectSessionRequest\x12(\n\x06search\x18\x04 \x01(\x0b\x32\x18.bendtwin.v1.PlanRequest\x12\x16\n\x0e\x65xecute_frames\x18\x05 \x01(\r\x12%\n\x07returns\x18\x06 \x01(\x0b\x32\x14.bendtwin.v1.Returns\x12\x12\n\ndeadline_s\x18\x07 \x01(\x01\"\x83\x03\n\x0eSteppedSession\x12\x30\n\tcorrected\x18\x01 \x01(\x0b\x32\x1d.bendtwin.v1.CorrectedSession\x12#\n\x07refused\x18\x02 \x01(\x0b\x32\x12.bendtwin.v1.Fault\x12%\n\x04plan\x18\x03 \x01(\x0b\x32\x17.bendtwin.v1.PlanUpdate\x12.\n\x08\x61\x64vanced\x18\x04 \x01(\x0b\x32\x1c.bendtwin.v1.RollOutResponse\x12\x33\n\x05state\x18\x05 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12\x30\n\x05times\x18\x06 \x01(\x0b\x32!.bendtwin.v1.SteppedSession.Times\x12\x0c\n\x04lost\x18\x07 \x01(\x08\x1aN\n\x05Times\x12\x11\n\tcorrect_s\x18\x01 \x01(\x01\x12\x0e\n\x06plan_s\x18\x02 \x01(\x01\x12\x11\n\tadvance_s\x18\x03 \x01(\x01\x12\x0f\n\x07total_s\x18\x04 \x01(\x01\"#\n\x13\x43loseSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x16\n\x14\x43loseSessionResponse2\xc1\x08\n\x0eSessionService\x12\x63\n\x0bOpenSession\x12\x1f.bendtwin.v1.OpenSessionRequest\x1a\x14.bendtwin.v1.Session\"\x1d\x9a\xb5\x18\x19\x12\x0c/v1/sessions0\xc9\x01:\x04nameH\x01\x12[\n\nGetSession\x12\x1e.bendtwin.v1.GetSessionRequest\x1a\x14.bendtwin.v1.Session\"\x17\x9a\xb5\x18\x13\n\x11/v1/sessions/{id}\x12v\n\x10GetSessionStates\x12$.bendtwin.v1.GetSessionStatesRequest\x1a\x1a.bendtwin.v1.SessionStates\" \x9a\xb5\x18\x1c\n\x18/v1/sessions/{id}/statesH\x01\x12u\n\x0e\x41\x64vanceSession\x12\".bendtwin.v1.AdvanceSessionRequest\x1a\x1c.bendtwin.v1.RollOutResponse\"!\x9a\xb5\x18\x1d\x12\x19/v1/sessions/{id}/advanceH\x01\x12V\n\x0e\x43ontrolSession\x12\".bendtwin.v1.AdvanceSessionRequest\x1a\x1c.bendtwin.v1.RollOutResponse(\x01\x30\x01\x12\x64\n\x0b\x46orkSession\x12\x1f.bendtwin.v1.ForkSessionRequest\x1a\x14.bendtwin.v1.Session\"\x1e\x9a\xb5\x18\x1a\x12\x16/v1/sessions/{id}/forkH\x01\x12g\n\x0cResetSession\x12 .bendtwin.v1.ResetSessionRequest\x1a\x14.bendtwin.v1.Session\"\x1f\x9a\xb5\x18\x1b\x12\x17/v1/sessions/{id}/resetH\x01\x12v\n\x0e\x43orrectSession\x12\".bendtwin.v1.CorrectSessionRequest\x1a\x1d.bendtwin.v1.CorrectedSession\"!\x9a\xb5\x18\x1d\x12\x19/v1/sessions/{id}/correctH\x01\x12k\n\x0bStepSession\x12\x1f.bendtwin.v1.StepSessionRequest\x1a\x1b.bendtwin.v1.SteppedSession\"\x1e\x9a\xb5\x18\x1a\x12\x16/v1/sessions/{id}/stepH\x01\x12l\n\x0c\x43loseSession\x12 .bendtwin.v1.CloseSessionRequest\x1a!.bendtwin.v1.CloseSessionResponse\"\x17\x9a\xb5\x18\x13\"\x11/v1/sessions/{id}\x1a\x04\x88\xb5\x18\tb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/session.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x19\x62\x65ndtwin/v1/options.proto\x1a\x17\x62\x65ndtwin/v1/fault.proto\x1a\x19\x62\x65ndtwin/v1/picture.proto\x1a\x1a\x62\x65ndtwin/v1/planning.proto\x1a\x1e\x62\x65ndtwin/v1/registration.proto\x1a\x19\x62\x65ndtwin/v1/rollout.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\"\xa3\x01\n\x07Session\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04twin\x18\x02 \x01(\t\x12\r\n\x05slots\x18\x03 \x01(\r\x12\x0e\n\x06\x66rames\x18\x04 \x03(\x04\x12\x16\n\x0eidle_timeout_s\x18\x05 \x01(\x01\x12\x0e\n\x06worker\x18\x06 \x01(\t\x12\'\n\x08\x66idelity\x18\x07 \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x0c\n\x04lost\x18\x08 \x03(\r\"=\n\x08Tracking\x12\x0c\n\x04lost\x18\x01 \x01(\x08\x12\x0e\n\x06misfit\x18\x02 \x01(\x01\x12\x13\n\x0bunexplained\x18\x03 \x01(\r\"\xe5\x01\n\x12OpenSessionRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12*\n\x07initial\x18\x02 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12\r\n\x05slots\x18\x03 \x01(\r\x12!\n\x05world\x18\x04 \x01(\x0b\x32\x12.bendtwin.v1.World\x12\"\n\x06grasps\x18\x05 \x03(\x0b\x32\x12.bendtwin.v1.Grasp\x12\'\n\x08\x66idelity\x18\x06 \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x16\n\x0eidle_timeout_s\x18\x07 \x01(\x01\"!\n\x11GetSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"S\n\x17GetSessionStatesRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12*\n\x05slots\x18\x02 \x03(\rB\x1b\x8a\xb5\x18\x17\"\x15^([0-9]+(,[0-9]+)*)?$\"d\n\rSessionStates\x12\x34\n\x06states\x18\x01 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12\r\n\x05slots\x18\x02 \x03(\r\x12\x0e\n\x06\x66rames\x18\x03 \x03(\x04\"b\n\x15\x41\x64vanceSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05slots\x18\x02 \x03(\r\x12,\n\x07rollout\x18\x03 \x01(\x0b\x32\x1b.bendtwin.v1.RollOutRequest\"<\n\x12\x46orkSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04\x66rom\x18\x02 \x01(\r\x12\n\n\x02to\x18\x03 \x03(\r\"^\n\x13ResetSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05slots\x18\x02 \x03(\r\x12*\n\x07initial\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\"\x91\x01\n\x15\x43orrectSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\r\n\x05slots\x18\x02 \x03(\r\x12-\n\x0bobservation\x18\x03 \x01(\x0b\x32\x18.bendtwin.v1.Observation\x12,\n\x07options\x18\x04 \x01(\x0b\x32\x1b.bendtwin.v1.CorrectOptions\"\xe6\x02\n\x10\x43orrectedSession\x12%\n\x07session\x18\x01 \x01(\x0b\x32\x14.bendtwin.v1.Session\x12=\n\x0b\x63orrections\x18\x02 \x03(\x0b\x32(.bendtwin.v1.CorrectedSession.Correction\x1a\xeb\x01\n\nCorrection\x12\x0c\n\x04slot\x18\x01 \x01(\r\x12%\n\x06\x62\x65\x66ore\x18\x02 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12$\n\x05\x61\x66ter\x18\x03 \x01(\x0b\x32\x15.bendtwin.v1.Residual\x12\x10\n\x08moved_mm\x18\x04 \x01(\x01\x12\x33\n\x05state\x18\x05 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12\'\n\x08tracking\x18\x06 \x01(\x0b\x32\x15.bendtwin.v1.Tracking\x12\x12\n\nregistered\x18\x07 \x01(\x08\"\xe5\x01\n\x12StepSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0c\n\x04slot\x18\x02 \x01(\r\x12\x36\n\ncorrection\x18\x03 \x01(\x0b\x32\".bendtwin.v1.CorrectSessionRequest\x12(\n\x06search\x18\x04 \x01(\x0b\x32\x18.bendtwin.v1.PlanRequest\x12\x16\n\x0e\x65xecute_frames\x18\x05 \x01(\r\x12%\n\x07returns\x18\x06 \x01(\x0b\x32\x14.bendtwin.v1.Returns\x12\x12\n\ndeadline_s\x18\x07 \x01(\x01\"\x83\x03\n\x0eSteppedSession\x12\x30\n\tcorrected\x18\x01 \x01(\x0b\x32\x1d.bendtwin.v1.CorrectedSession\x12#\n\x07refused\x18\x02 \x01(\x0b\x32\x12.bendtwin.v1.Fault\x12%\n\x04plan\x18\x03 \x01(\x0b\x32\x17.bendtwin.v1.PlanUpdate\x12.\n\x08\x61\x64vanced\x18\x04 \x01(\x0b\x32\x1c.bendtwin.v1.RollOutResponse\x12\x33\n\x05state\x18\x05 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenState\x12\x30\n\x05times\x18\x06 \x01(\x0b\x32!.bendtwin.v1.SteppedSession.Times\x12\x0c\n\x04lost\x18\x07 \x01(\x08\x1aN\n\x05Times\x12\x11\n\tcorrect_s\x18\x01 \x01(\x01\x12\x0e\n\x06plan_s\x18\x02 \x01(\x01\x12\x11\n\tadvance_s\x18\x03 \x01(\x01\x12\x0f\n\x07total_s\x18\x04 \x01(\x01\"#\n\x13\x43loseSessionRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x16\n\x14\x43loseSessionResponse2\xb5\t\n\x0eSessionService\x12\x63\n\x0bOpenSession\x12\x1f.bendtwin.v1.OpenSessionRequest\x1a\x14.bendtwin.v1.Session\"\x1d\x9a\xb5\x18\x19\x12\x0c/v1/sessions0\xc9\x01:\x04nameH\x01\x12[\n\nGetSession\x12\x1e.bendtwin.v1.GetSessionRequest\x1a\x14.bendtwin.v1.Session\"\x17\x9a\xb5\x18\x13\n\x11/v1/sessions/{id}\x12v\n\x10GetSessionStates\x12$.bendtwin.v1.GetSessionStatesRequest\x1a\x1a.bendtwin.v1.SessionStates\" \x9a\xb5\x18\x1c\n\x18/v1/sessions/{id}/statesH\x01\x12u\n\x0e\x41\x64vanceSession\x12\".bendtwin.v1.AdvanceSessionRequest\x1a\x1c.bendtwin.v1.RollOutResponse\"!\x9a\xb5\x18\x1d\x12\x19/v1/sessions/{id}/advanceH\x01\x12V\n\x0e\x43ontrolSession\x12\".bendtwin.v1.AdvanceSessionRequest\x1a\x1c.bendtwin.v1.RollOutResponse(\x01\x30\x01\x12\x64\n\x0b\x46orkSession\x12\x1f.bendtwin.v1.ForkSessionRequest\x1a\x14.bendtwin.v1.Session\"\x1e\x9a\xb5\x18\x1a\x12\x16/v1/sessions/{id}/forkH\x01\x12g\n\x0cResetSession\x12 .bendtwin.v1.ResetSessionRequest\x1a\x14.bendtwin.v1.Session\"\x1f\x9a\xb5\x18\x1b\x12\x17/v1/sessions/{id}/resetH\x01\x12v\n\x0e\x43orrectSession\x12\".bendtwin.v1.CorrectSessionRequest\x1a\x1d.bendtwin.v1.CorrectedSession\"!\x9a\xb5\x18\x1d\x12\x19/v1/sessions/{id}/correctH\x01\x12k\n\x0bStepSession\x12\x1f.bendtwin.v1.StepSessionRequest\x1a\x1b.bendtwin.v1.SteppedSession\"\x1e\x9a\xb5\x18\x1a\x12\x16/v1/sessions/{id}/stepH\x01\x12r\n\rRenderSession\x12!.bendtwin.v1.RenderSessionRequest\x1a\x1c.bendtwin.v1.RenderedSession\" \x9a\xb5\x18\x1c\x12\x18/v1/sessions/{id}/renderH\x01\x12l\n\x0c\x43loseSession\x12 .bendtwin.v1.CloseSessionRequest\x1a!.bendtwin.v1.CloseSessionResponse\"\x17\x9a\xb5\x18\x13\"\x11/v1/sessions/{id}\x1a\x04\x88\xb5\x18\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -57,42 +58,44 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_SESSIONSERVICE'].methods_by_name['CorrectSession']._serialized_options = b'\232\265\030\035\022\031/v1/sessions/{id}/correctH\001'
   _globals['_SESSIONSERVICE'].methods_by_name['StepSession']._loaded_options = None
   _globals['_SESSIONSERVICE'].methods_by_name['StepSession']._serialized_options = b'\232\265\030\032\022\026/v1/sessions/{id}/stepH\001'
+  _globals['_SESSIONSERVICE'].methods_by_name['RenderSession']._loaded_options = None
+  _globals['_SESSIONSERVICE'].methods_by_name['RenderSession']._serialized_options = b'\232\265\030\034\022\030/v1/sessions/{id}/renderH\001'
   _globals['_SESSIONSERVICE'].methods_by_name['CloseSession']._loaded_options = None
   _globals['_SESSIONSERVICE'].methods_by_name['CloseSession']._serialized_options = b'\232\265\030\023\"\021/v1/sessions/{id}'
-  _globals['_SESSION']._serialized_start=207
-  _globals['_SESSION']._serialized_end=370
-  _globals['_TRACKING']._serialized_start=372
-  _globals['_TRACKING']._serialized_end=433
-  _globals['_OPENSESSIONREQUEST']._serialized_start=436
-  _globals['_OPENSESSIONREQUEST']._serialized_end=665
-  _globals['_GETSESSIONREQUEST']._serialized_start=667
-  _globals['_GETSESSIONREQUEST']._serialized_end=700
-  _globals['_GETSESSIONSTATESREQUEST']._serialized_start=702
-  _globals['_GETSESSIONSTATESREQUEST']._serialized_end=785
-  _globals['_SESSIONSTATES']._serialized_start=787
-  _globals['_SESSIONSTATES']._serialized_end=887
-  _globals['_ADVANCESESSIONREQUEST']._serialized_start=889
-  _globals['_ADVANCESESSIONREQUEST']._serialized_end=987
-  _globals['_FORKSESSIONREQUEST']._serialized_start=989
-  _globals['_FORKSESSIONREQUEST']._serialized_end=1049
-  _globals['_RESETSESSIONREQUEST']._serialized_start=1051
-  _globals['_RESETSESSIONREQUEST']._serialized_end=1145
-  _globals['_CORRECTSESSIONREQUEST']._serialized_start=1148
-  _globals['_CORRECTSESSIONREQUEST']._serialized_end=1293
-  _globals['_CORRECTEDSESSION']._serialized_start=1296
-  _globals['_CORRECTEDSESSION']._serialized_end=1654
-  _globals['_CORRECTEDSESSION_CORRECTION']._serialized_start=1419
-  _globals['_CORRECTEDSESSION_CORRECTION']._serialized_end=1654
-  _globals['_STEPSESSIONREQUEST']._serialized_start=1657
-  _globals['_STEPSESSIONREQUEST']._serialized_end=1886
-  _globals['_STEPPEDSESSION']._serialized_start=1889
-  _globals['_STEPPEDSESSION']._serialized_end=2276
-  _globals['_STEPPEDSESSION_TIMES']._serialized_start=2198
-  _globals['_STEPPEDSESSION_TIMES']._serialized_end=2276
-  _globals['_CLOSESESSIONREQUEST']._serialized_start=2278
-  _globals['_CLOSESESSIONREQUEST']._serialized_end=2313
-  _globals['_CLOSESESSIONRESPONSE']._serialized_start=2315
-  _globals['_CLOSESESSIONRESPONSE']._serialized_end=2337
-  _globals['_SESSIONSERVICE']._serialized_start=2340
-  _globals['_SESSIONSERVICE']._serialized_end=3429
+  _globals['_SESSION']._serialized_start=234
+  _globals['_SESSION']._serialized_end=397
+  _globals['_TRACKING']._serialized_start=399
+  _globals['_TRACKING']._serialized_end=460
+  _globals['_OPENSESSIONREQUEST']._serialized_start=463
+  _globals['_OPENSESSIONREQUEST']._serialized_end=692
+  _globals['_GETSESSIONREQUEST']._serialized_start=694
+  _globals['_GETSESSIONREQUEST']._serialized_end=727
+  _globals['_GETSESSIONSTATESREQUEST']._serialized_start=729
+  _globals['_GETSESSIONSTATESREQUEST']._serialized_end=812
+  _globals['_SESSIONSTATES']._serialized_start=814
+  _globals['_SESSIONSTATES']._serialized_end=914
+  _globals['_ADVANCESESSIONREQUEST']._serialized_start=916
+  _globals['_ADVANCESESSIONREQUEST']._serialized_end=1014
+  _globals['_FORKSESSIONREQUEST']._serialized_start=1016
+  _globals['_FORKSESSIONREQUEST']._serialized_end=1076
+  _globals['_RESETSESSIONREQUEST']._serialized_start=1078
+  _globals['_RESETSESSIONREQUEST']._serialized_end=1172
+  _globals['_CORRECTSESSIONREQUEST']._serialized_start=1175
+  _globals['_CORRECTSESSIONREQUEST']._serialized_end=1320
+  _globals['_CORRECTEDSESSION']._serialized_start=1323
+  _globals['_CORRECTEDSESSION']._serialized_end=1681
+  _globals['_CORRECTEDSESSION_CORRECTION']._serialized_start=1446
+  _globals['_CORRECTEDSESSION_CORRECTION']._serialized_end=1681
+  _globals['_STEPSESSIONREQUEST']._serialized_start=1684
+  _globals['_STEPSESSIONREQUEST']._serialized_end=1913
+  _globals['_STEPPEDSESSION']._serialized_start=1916
+  _globals['_STEPPEDSESSION']._serialized_end=2303
+  _globals['_STEPPEDSESSION_TIMES']._serialized_start=2225
+  _globals['_STEPPEDSESSION_TIMES']._serialized_end=2303
+  _globals['_CLOSESESSIONREQUEST']._serialized_start=2305
+  _globals['_CLOSESESSIONREQUEST']._serialized_end=2340
+  _globals['_CLOSESESSIONRESPONSE']._serialized_start=2342
+  _globals['_CLOSESESSIONRESPONSE']._serialized_end=2364
+  _globals['_SESSIONSERVICE']._serialized_start=2367
+  _globals['_SESSIONSERVICE']._serialized_end=3572
 # @@protoc_insertion_point(module_scope)

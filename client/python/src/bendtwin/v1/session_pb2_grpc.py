@@ -3,6 +3,7 @@
 import grpc
 import warnings
 
+from bendtwin.v1 import picture_pb2 as bendtwin_dot_v1_dot_picture__pb2
 from bendtwin.v1 import rollout_pb2 as bendtwin_dot_v1_dot_rollout__pb2
 from bendtwin.v1 import session_pb2 as bendtwin_dot_v1_dot_session__pb2
 
@@ -84,6 +85,11 @@ class SessionServiceStub(object):
                 '/bendtwin.v1.SessionService/StepSession',
                 request_serializer=bendtwin_dot_v1_dot_session__pb2.StepSessionRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_session__pb2.SteppedSession.FromString,
+                _registered_method=True)
+        self.RenderSession = channel.unary_unary(
+                '/bendtwin.v1.SessionService/RenderSession',
+                request_serializer=bendtwin_dot_v1_dot_picture__pb2.RenderSessionRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_picture__pb2.RenderedSession.FromString,
                 _registered_method=True)
         self.CloseSession = channel.unary_unary(
                 '/bendtwin.v1.SessionService/CloseSession',
@@ -173,6 +179,13 @@ class SessionServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def RenderSession(self, request, context):
+        """Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
     def CloseSession(self, request, context):
         """Closes a session. It is no error if it has ended.
         """
@@ -227,6 +240,11 @@ def add_SessionServiceServicer_to_server(servicer, server):
                     servicer.StepSession,
                     request_deserializer=bendtwin_dot_v1_dot_session__pb2.StepSessionRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_session__pb2.SteppedSession.SerializeToString,
+            ),
+            'RenderSession': grpc.unary_unary_rpc_method_handler(
+                    servicer.RenderSession,
+                    request_deserializer=bendtwin_dot_v1_dot_picture__pb2.RenderSessionRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_picture__pb2.RenderedSession.SerializeToString,
             ),
             'CloseSession': grpc.unary_unary_rpc_method_handler(
                     servicer.CloseSession,
@@ -482,6 +500,33 @@ class SessionService(object):
             '/bendtwin.v1.SessionService/StepSession',
             bendtwin_dot_v1_dot_session__pb2.StepSessionRequest.SerializeToString,
             bendtwin_dot_v1_dot_session__pb2.SteppedSession.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def RenderSession(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.SessionService/RenderSession',
+            bendtwin_dot_v1_dot_picture__pb2.RenderSessionRequest.SerializeToString,
+            bendtwin_dot_v1_dot_picture__pb2.RenderedSession.FromString,
             options,
             channel_credentials,
             insecure,

@@ -3,6 +3,7 @@
 isort:skip_file
 """
 
+from bendtwin.v1 import picture_pb2 as _picture_pb2
 from bendtwin.v1 import rollout_pb2 as _rollout_pb2
 from bendtwin.v1 import session_pb2 as _session_pb2
 from collections import abc as _abc
@@ -72,6 +73,8 @@ class SessionServiceStub:
     failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but
     not advanced.
     """
+    RenderSession: _grpc.UnaryUnaryMultiCallable[_picture_pb2.RenderSessionRequest, _picture_pb2.RenderedSession]
+    """Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes."""
     CloseSession: _grpc.UnaryUnaryMultiCallable[_session_pb2.CloseSessionRequest, _session_pb2.CloseSessionResponse]
     """Closes a session. It is no error if it has ended."""
 
@@ -118,6 +121,8 @@ class SessionServiceAsyncStub(SessionServiceStub):
     failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but
     not advanced.
     """
+    RenderSession: _aio.UnaryUnaryMultiCallable[_picture_pb2.RenderSessionRequest, _picture_pb2.RenderedSession]  # type: ignore[assignment]
+    """Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes."""
     CloseSession: _aio.UnaryUnaryMultiCallable[_session_pb2.CloseSessionRequest, _session_pb2.CloseSessionResponse]  # type: ignore[assignment]
     """Closes a session. It is no error if it has ended."""
 
@@ -215,6 +220,14 @@ class SessionServiceServicer(metaclass=_abc_1.ABCMeta):
         failures (EVERY_PLAN_DIVERGED, a lost worker, the deadline of the call) may leave the slot corrected, but
         not advanced.
         """
+
+    @_abc_1.abstractmethod
+    def RenderSession(
+        self,
+        request: _picture_pb2.RenderSessionRequest,
+        context: _ServicerContext,
+    ) -> _typing.Union[_picture_pb2.RenderedSession, _abc.Awaitable[_picture_pb2.RenderedSession]]:
+        """Renders the states of slots as cameras see them, over backgrounds and beside props. Nothing changes."""
 
     @_abc_1.abstractmethod
     def CloseSession(

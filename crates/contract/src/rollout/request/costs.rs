@@ -271,6 +271,9 @@ fn kind(
             amount(speed.limit_m_s, &field("control_speed.limit_m_s"))
         }
         Some(Kind::Smoothness(_) | Kind::ControlPath(_)) => Ok(()),
+        Some(Kind::Order(_) | Kind::Winding(_) | Kind::Coverage(_)) => {
+            Err(Error::field(field("kind"), "PLACEHOLDER"))
+        }
     }
 }
 

@@ -132,6 +132,9 @@ impl Measure {
             Some(Kind::ControlSpeed(speed)) => {
                 Ok((Self::Controls(Motion::Speed { limit_m_s: speed.limit_m_s }), 1.0))
             }
+            Some(Kind::Order(_) | Kind::Winding(_) | Kind::Coverage(_)) => {
+                Err(Error::field(field("kind"), "PLACEHOLDER"))
+            }
         }
     }
 
