@@ -384,6 +384,7 @@ impl Rollout {
             control_speed_m_s: none,
             strain: none,
             control_depth_m: none,
+            grasp_force_n: none,
             refuse,
         });
         self
