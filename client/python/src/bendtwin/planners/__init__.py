@@ -13,7 +13,7 @@ from bendtwin.planners.methods import Cem, GradientDescent, Mppi, PredictiveSamp
 from bendtwin.planners.on_server import OnServer
 from bendtwin.planners.plan import Plan, Planned, ServerPlan
 from bendtwin.planners.planner import EveryPlanDiverged, Planner
-from bendtwin.planners.spaces import ActionSpace, Grippers, PerHand, Points, Together
+from bendtwin.planners.spaces import ActionSpace, Grippers, MachineSpace, PerHand, Points, Together
 from bendtwin.planners.task import Evaluation, Problem, Task
 from bendtwin.simulation.bounds import Bounds
 
@@ -25,6 +25,7 @@ __all__ = [
     "EveryPlanDiverged",
     "GradientDescent",
     "Grippers",
+    "MachineSpace",
     "Mppi",
     "OnServer",
     "PerHand",

@@ -31,7 +31,10 @@ class OnServer:
         if knots < 2:
             raise ValueError("a planner needs two knots or more")
         if not hasattr(task.space, "to_proto"):
-            raise TypeError("the server does not know this action space: plan with Mppi, say")
+            raise TypeError(
+                f"the server does not know the coordinates of {type(task.space).__name__}, such as "
+                "joints: plan with Mppi, Cem, PredictiveSampling or GradientDescent"
+            )
         self.task: Task = task
         self.knots: int = knots
         self.search: Search = search

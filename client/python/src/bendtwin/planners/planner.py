@@ -19,7 +19,7 @@ from bendtwin.errors import BendTwinError, Category
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.noise import correlated, deviations
 from bendtwin.planners.plan import Origin, Plan
-from bendtwin.planners.task import Evaluation, Problem
+from bendtwin.planners.task import Evaluation, Problem, Task
 from bendtwin.simulation.bounds import Bounds
 from bendtwin.simulation.state import InitialState
 
@@ -74,7 +74,7 @@ class Planner(ABC):
             finest: Samples have sigma times a factor, evenly spread in its logarithm from 1 to
                 this, 0..1: large ones find ways, small ones the goal. None: 0.03, and 1 for methods
                 that shrink their samples themselves.
-            bounds: Limits that every plan keeps.
+            bounds: Limits that every plan keeps, beside those of a task.
             deadline_s: Time for one call of `plan`, which then returns the best so far. The first
                 iteration is always finished.
             seed: The same seed gives the same plans.
@@ -89,7 +89,7 @@ class Planner(ABC):
         self.iterations: int = iterations
         self.sigma: Array = deviations(sigma, knots, problem.dims)
         self.correlation: float = correlation
-        self.bounds: Bounds = bounds
+        self.bounds: Bounds = bounds.within(problem.bounds) if isinstance(problem, Task) else bounds
         self.deadline_s: float | None = deadline_s
         self.finest: float = self._finest if finest is None else finest
         if not 0.0 < self.finest <= 1.0:

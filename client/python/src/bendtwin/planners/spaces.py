@@ -9,12 +9,14 @@ position.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
 from bendtwin.planners import rotations
+from bendtwin.simulation.bounds import Bounds
+from bendtwin.simulation.world import World
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import planning_pb2
 
@@ -33,6 +35,27 @@ class ActionSpace(Protocol):
 
     def gradients(self, knots: Array, by_actions: Array) -> Array:
         """d cost / d knots [B, K, D] of the gradient by what `actions` gives, in its shape."""
+
+
+@runtime_checkable
+class MachineSpace(ActionSpace, Protocol):
+    """Coordinates of a machine, such as the joints of a robot: `bendtwin.robots.JointSpace`.
+
+    Its actions are not linear in the coordinates, so that a task interpolates the latter and asks
+    for the actions of every frame. It brings its parts into the world, and it has limits.
+    """
+
+    @property
+    def world(self) -> World:
+        """World of the task, which has none of its own."""
+
+    @property
+    def bounds(self) -> Bounds:
+        """Limits of the coordinates, which every planner keeps."""
+
+    def excess(self, knots: Array) -> npt.NDArray[np.float64]:
+        """How far the motions [B, K, D] are beyond a limit of the machine itself, 0 where they are
+        not [B]: plans beyond it are worse than all that keep it."""
 
 
 class _Trajectories:

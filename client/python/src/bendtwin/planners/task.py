@@ -12,7 +12,8 @@ import numpy.typing as npt
 from bendtwin.calls import roll_out
 from bendtwin.planners.knots import Array, curve_matrix
 from bendtwin.planners.schedule import Schedule, check_rows
-from bendtwin.planners.spaces import ActionSpace
+from bendtwin.planners.spaces import ActionSpace, MachineSpace
+from bendtwin.simulation.bounds import Bounds
 from bendtwin.simulation.costs import Cost
 from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.simulation.rollout import Fidelity, Returns, RolloutResult, warned
@@ -22,6 +23,7 @@ from bendtwin.twin import Twin
 
 _COSTS_ALONE = Returns()
 _REST = Rest()
+_NO_BOUNDS = Bounds()
 _CURVES = {"trajectories": interpolate, "poses": interpolate_poses}
 #: Arguments of a rollout that have a row for each knot.
 ACTIONS = _CURVES.keys()
@@ -35,8 +37,8 @@ class Evaluation:
     costs: npt.NDArray[np.float64]
     #: d cost / d knots [B, K, D], if asked for.
     gradients: Array | None = None
-    #: How far the strain of the material is beyond the limit, 0 where it is not [B]: a plan beyond
-    #: it is worse than all that keep it. None: all keep it.
+    #: How far the strain of the material, or a machine, is beyond its limit, 0 where it is not [B]:
+    #: a plan beyond it is worse than all that keep it. None: all keep it.
     excess: npt.NDArray[np.float64] | None = None
 
 
@@ -92,7 +94,7 @@ class Task:
     #: State from which planners start by default; for a session: `SessionSlots`.
     initial: InitialState = _REST
     #: Ground, gravity and colliders. A `Collider.path` has a pose for each frame boundary, [T, 7],
-    #: of which the last holds on.
+    #: of which the last holds on. None with the space of a machine, which has a world.
     world: World | None = None
     #: They need a space of grippers. `Grasp.closed` has a value for each frame boundary, [T], of
     #: which the last holds on, or one for all.
@@ -111,12 +113,19 @@ class Task:
     def __post_init__(self) -> None:
         if self.frames < 1:
             raise ValueError("the horizon must be one frame or more")
-        check_rows(self.world, self.grasps, self.frames)
+        if self.world is not None and isinstance(self.space, MachineSpace):
+            raise ValueError("the space has a world: give the rest of it to its workcell instead")
+        check_rows(self._world(), self.grasps, self.frames)
 
     @property
     def dims(self) -> int:
         """Number of coordinates D of a knot."""
         return self.space.dims
+
+    @property
+    def bounds(self) -> Bounds:
+        """Limits of the coordinates: those of a machine, or none."""
+        return self.space.bounds if isinstance(self.space, MachineSpace) else _NO_BOUNDS
 
     @property
     def frame_s(self) -> float:
@@ -179,6 +188,7 @@ class Task:
         members = 1 if self.ensemble is None else self.ensemble.members
         if refuses:
             costs[[i.instance // members for i in result.implausible]] = np.inf
+            costs[self._excess(knots, frames) > 0.0] = np.inf
         warned(replace(result, implausible=[i for i in result.implausible if i.is_of_start]))
         return replace(result, costs=costs)
 
@@ -193,23 +203,32 @@ class Task:
         """Simulates knots [B, K, D] from a state, in one call; None is the task's own."""
         returns = Returns(action_gradients=gradients)
         result = self.rollout(knots, initial, returns=returns, timeout_s=timeout_s)
+        excess = _excess(result) + self._excess(knots)
         if not gradients:
-            return Evaluation(np.asarray(result.costs, np.float64), excess=_excess(result))
+            return Evaluation(np.asarray(result.costs, np.float64), excess=excess)
         if result.action_gradients is None:
             raise ValueError("the server returned no gradients: is it older than this client?")
         by_actions = np.asarray(result.action_gradients, np.float64)
+        costs = np.asarray(result.costs, np.float64)
         count = knots.shape[1]
+        if isinstance(self.space, MachineSpace):
+            by_path = self.space.gradients(self.path(knots), by_actions)
+            curve = self._curve(count, self.frames)
+            return Evaluation(costs, np.einsum("fk,bfd->bkd", curve, by_path), excess)
         if by_actions.shape[1] != count:
             if by_actions.shape[-1] == 7:
                 raise ValueError(
                     "gradients of poses need surroundings that change at knots alone: choose the "
                     "number of knots, and the frames of closings and paths, so that they do"
                 )
-            times = np.arange(self.frames + 1) * (count - 1) / self.frames
-            curve = curve_matrix(times, count, self.interpolation)
-            by_actions = np.einsum("fk,bfcx->bkcx", curve, by_actions)
-        costs = np.asarray(result.costs, np.float64)
-        return Evaluation(costs, self.space.gradients(knots, by_actions), _excess(result))
+            by_actions = np.einsum("fk,bfcx->bkcx", self._curve(count, self.frames), by_actions)
+        return Evaluation(costs, self.space.gradients(knots, by_actions), excess)
+
+    def path(self, knots: Array, frames: int | None = None) -> Array:
+        """Coordinates at every frame boundary [B, F + 1, D] between knots [B, K, D], over the
+        horizon or another one."""
+        curve = self._curve(knots.shape[1], self.frames if frames is None else frames)
+        return np.asarray(np.einsum("fk,bkd->bfd", curve, knots))
 
     def actions(self, knots: Array, frames: int | None = None) -> dict[str, Any]:
         """Arguments of `Twin.rollout` that execute knots [K, D] in the task's surroundings: all of
@@ -221,7 +240,9 @@ class Task:
 
     def _motion(self, knots: Array, frames: int, first: int | None = None) -> dict[str, Any]:
         """Actions, world and grasps over a horizon, or over its first frames."""
-        schedule = Schedule(self.world, self.grasps, frames, self.since)
+        schedule = Schedule(self._world(), self.grasps, frames, self.since)
+        if isinstance(self.space, MachineSpace):
+            knots = self.path(knots, frames)
         named = self.space.actions(knots)
         count = knots.shape[1]
         if first is None and schedule.has_knots(count, self.interpolation):
@@ -232,6 +253,20 @@ class Task:
             dense = _CURVES[kind](named[kind], frames, interpolation=self.interpolation)
             named[kind] = dense[:, : first + 1]
         return {**named, **schedule.at(first + 1, first), "frames": first}
+
+    def _world(self) -> World | None:
+        return self.space.world if isinstance(self.space, MachineSpace) else self.world
+
+    def _curve(self, knots: int, frames: int) -> Array:
+        """The matrix [F + 1, K] that turns knots into coordinates by frame."""
+        times = np.arange(frames + 1) * (knots - 1) / frames
+        return curve_matrix(times, knots, self.interpolation)
+
+    def _excess(self, knots: Array, frames: int | None = None) -> npt.NDArray[np.float64]:
+        """How far a machine is beyond its limits, [B]."""
+        if not isinstance(self.space, MachineSpace):
+            return np.zeros(len(knots))
+        return self.space.excess(self.path(knots, frames))
 
 
 def _excess(result: RolloutResult) -> npt.NDArray[np.float64]:

@@ -23,6 +23,18 @@ class Bounds:
     #: Highest rate of change of a coordinate [m/s or rad/s].
     speed: npt.ArrayLike | None = None
 
+    def within(self, other: Bounds) -> Bounds:
+        """The limits that keep both."""
+
+        def tighter(a: Any, b: Any, choose: Any) -> Any:
+            return b if a is None else a if b is None else choose(a, b)
+
+        return Bounds(
+            low=tighter(self.low, other.low, np.maximum),
+            high=tighter(self.high, other.high, np.minimum),
+            speed=tighter(self.speed, other.speed, np.minimum),
+        )
+
     def project(self, knots: npt.NDArray[Any], knot_s: float) -> npt.NDArray[np.float64]:
         """The plans [..., K, D] within the limits, with knots `knot_s` seconds apart.
 
