@@ -31,8 +31,9 @@ class Planned:
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
     problem: Problem | Task = field(repr=False)
-    #: Excess of the strain of the material over the limit of `Plausibility`: 0, unless every plan
-    #: exceeded it. Plans beyond the limit are worse than all within, regardless of cost.
+    #: Excess of the strain of the material over the limit of `Plausibility`, and of a machine over
+    #: its own (`MachineSpace.excess`): 0, unless every plan exceeded one. Plans beyond a limit are
+    #: worse than all within, regardless of cost.
     excess_strain: float = 0.0
     #: Number of the simulated plans that did not diverge and were beyond it.
     overstrained: int = 0

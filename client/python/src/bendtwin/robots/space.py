@@ -101,13 +101,13 @@ class JointSpace:
     def gradients(self, knots: Array, by_actions: Array) -> Array:
         """d cost / d coordinates [B, K, D] by d cost / d poses [B, K, G, 7]."""
         link_poses = self.cell.robot.link_poses(self.positions(knots))
-        return self.cell.gradients(link_poses, by_actions)[..., self._moving]
+        return np.asarray(self.cell.gradients(link_poses, by_actions)[..., self._moving])
 
     def excess(self, knots: Array) -> npt.NDArray[np.float64]:
         """How much deeper than allowed the robot is in the ground or in a static collider, metres,
         in any row of coordinates [B, K, D]: [B]."""
         depths = self.cell.depths(self.positions(knots)).max(axis=1)
-        return np.maximum(depths - self.allowed_depth_m, 0.0)
+        return np.asarray(np.maximum(depths - self.allowed_depth_m, 0.0))
 
     def path(self, plan: Planned, frames: int | None = None) -> JointPath:
         """All joints along a plan in this space, or along its first frames, with times."""
