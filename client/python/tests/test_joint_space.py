@@ -9,6 +9,7 @@ from server import needs_server
 
 from bendtwin import (
     Collider,
+    ConvexMesh,
     Cuboid,
     Grasp,
     Keypoints,
@@ -29,6 +30,7 @@ from bendtwin.planners import (
 )
 from bendtwin.planners.velocity import simulate
 from bendtwin.robots import JointSpace, RobotError, Workcell
+from bendtwin.robots.meshes import hull_of, hull_planes
 
 pytestmark = needs_server
 
@@ -225,6 +227,30 @@ def test_the_gripper_takes_hold_and_others_stand_still(scene):
     still = Workcell(scene.robot, scene.geometry, hands={0: None})
     held = task_of(scene, still).rollout(lift, returns=Returns(final_state=True))
     np.testing.assert_allclose(held.final_controls[0], scene.start.controls, atol=1e-5)
+
+
+def test_the_server_takes_the_hulls_of_meshes(scene):
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("scipy")
+    random, above = np.random.default_rng(0), np.array([0.0, 0.0, 5.0])
+    round_box = trimesh.creation.box((0.2, 0.1, 0.05)).subdivide().subdivide().subdivide()
+    bodies = [
+        trimesh.creation.icosphere(subdivisions=3).vertices,
+        trimesh.creation.cylinder(0.3, 1.0, sections=64).vertices,
+        trimesh.creation.annulus(0.2, 0.3, 0.4, sections=64).vertices,
+        trimesh.creation.capsule(1.0, 0.2).vertices,
+        round_box.vertices + 1e-5 * random.normal(size=round_box.vertices.shape),
+        *(random.normal(size=(4 + 3 * k, 3)) * [1.0, 0.5, 0.02 * k + 0.1] for k in range(0, 20, 2)),
+    ]
+    hulls = [hull_of(np.asarray(points) + above).points for points in bodies]
+    world = World(colliders=[Collider(shape=ConvexMesh(points)) for points in hulls])
+    hold = np.repeat(scene.geometry.controls[None, None], 2, axis=1)
+    result = scene.twin.rollout(trajectories=hold, frames=1, world=world)
+    assert np.isfinite(result.costs).all()
+    for points, hull in zip(bodies, hulls, strict=True):
+        planes = hull_planes(hull)
+        beyond = (np.asarray(points) + above) @ planes[:, :3].T + planes[:, 3]
+        assert beyond.max() < 1e-9, "a hull contains its mesh"
 
 
 def test_joints_are_chosen_and_starts_checked(scene):

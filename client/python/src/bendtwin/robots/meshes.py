@@ -13,12 +13,18 @@ from bendtwin.robots.description import MeshFile, RobotError
 from bendtwin.robots.transforms import Array
 
 #: Most faces of a hull. The server accepts 128; each costs time for every node of the object.
-MOST_FACES = 48
-#: Points of which any hull has at most 128 faces, since triangles are at most 2 M - 4.
-FEW_POINTS = 66
+MOST_FACES = 32
 _LARGEST_BYTES = 200 << 20
 _FARTHEST_M = 1000.0
 _FORMATS = (".stl", ".obj", ".ply", ".off", ".dae", ".glb")
+#: Cosine of the least angle between the normals of a hull: 0.3 radians.
+_COSINE = 0.955
+#: Shortest edge of a hull, and least depth that is cut off, as shares of its largest side.
+_SHORTEST = 0.02
+_LEAST_CUT = 0.005
+#: Distance within which a corner is nearly on a plane, as such a share; the server takes a corner
+#: as on it at a tenth of that.
+_ALMOST = 2e-4
 #: Thickness of a flat mesh [m].
 _THINNEST_M = 1e-3
 _INSTALL = "pip install 'bendtwin[robots]'"
@@ -57,19 +63,29 @@ def read_hull(mesh: MeshFile, what: str) -> Hull:
 
 
 def hull_of(points: npt.NDArray[Any]) -> Hull:
-    """A convex body that contains points [M, 3]: their hull, or a polytope around it with the
-    planes of `MOST_FACES` of its faces."""
+    """A polytope around points [M, 3]: their box, cut along some faces of their hull.
+
+    The server makes the hull of its corners again, in single precision. So that this is the same
+    polytope, its planes meet at angles that are not small, and its edges are not short: a cut that
+    would make one is left out. Every cut that is left out makes it larger, never smaller.
+    """
     convex = _hull(points)
     if convex is None:
         return hull_of(_thickened(points))
-    planes = _planes(convex.equations)
-    if len(planes) > MOST_FACES:
-        corners = _around(points[convex.vertices], planes)
-        convex = _hull(corners)
-        points = corners
-    assert convex is not None, "a polytope around a body has a volume"
-    middles = points[convex.simplices].mean(axis=1)
-    return Hull(np.asarray(points[convex.vertices]), np.asarray(middles))
+    corners = points[convex.vertices]
+    extent = float(np.ptp(corners, axis=0).max())
+    box = _box(corners)
+    planes = np.concatenate([box, _cuts(corners, box, np.unique(convex.equations, axis=0), extent)])
+    inside = corners.mean(axis=0)
+    while True:
+        polytope = _corners(planes, inside, extent)
+        frail = np.flatnonzero(_frail(polytope, planes, extent))
+        candidates = [int(i) for i in frail if i >= len(box)]
+        if not candidates:
+            break
+        planes = np.delete(planes, _least(planes, candidates, inside, extent), axis=0)
+    triangles = polytope[_hull(polytope).simplices]
+    return Hull(polytope, np.asarray(triangles.mean(axis=1)))
 
 
 def hull_planes(points: npt.NDArray[Any]) -> Array:
@@ -115,39 +131,77 @@ def _hull(points: npt.NDArray[Any]) -> Any:
     try:
         from scipy.spatial import ConvexHull, QhullError
     except ModuleNotFoundError:
-        raise RobotError(f"to make hulls of many points: {_INSTALL}") from None
+        raise RobotError(f"to merge shapes, read meshes or avoid them: {_INSTALL}") from None
     try:
         return ConvexHull(points)
     except (QhullError, ValueError):
         return None
 
 
-def _planes(equations: npt.NDArray[Any]) -> Array:
-    """The planes of faces [F, 4], once for the triangles of a face."""
-    return np.asarray(np.unique(np.round(equations, 6), axis=0))
+def _box(corners: Array) -> Array:
+    """The six planes [6, 4] of the smaller of two boxes: along the axes, and along the principal
+    ones."""
+    _, _, principal = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)
+    boxes = []
+    for axes in (np.eye(3), principal):
+        normals = np.concatenate([axes, -axes])
+        boxes.append(np.column_stack([normals, -(corners @ normals.T).max(axis=0)]))
+    volumes = [np.prod(-box[:3, 3] - box[3:, 3]) for box in boxes]
+    return boxes[int(volumes[1] < 0.98 * volumes[0])]
 
 
-def _around(corners: npt.NDArray[Any], planes: Array) -> Array:
-    """Corners of a polytope around a body: of its box, cut by faces of the body where the polytope
-    sticks out farthest."""
+def _cuts(corners: Array, box: Array, faces: Array, extent: float) -> Array:
+    """Planes of faces [F, 4] that cut off most where the polytope of all before sticks out
+    farthest."""
+    chosen = box
+    while len(chosen) < MOST_FACES:
+        apart = chosen[:, :3] @ faces[:, :3].T
+        faces = faces[(apart < _COSINE).all(axis=0)]
+        if not len(faces):
+            break
+        polytope = _corners(chosen, corners.mean(axis=0), extent)
+        beyond = polytope @ faces[:, :3].T + faces[:, 3]
+        if beyond.max() <= _LEAST_CUT * extent:
+            break
+        chosen = np.concatenate([chosen, faces[[beyond.max(axis=0).argmax()]]])
+    return chosen[len(box) :]
+
+
+def _corners(planes: Array, inside: Array, extent: float) -> Array:
+    """Corners of the polytope within planes; those in one place count once."""
     from scipy.spatial import HalfspaceIntersection
 
-    inside = corners.mean(axis=0)
-    normals = np.concatenate([np.eye(3), -np.eye(3)])
-    chosen = np.column_stack([normals, -(corners @ normals.T).max(axis=0)])
-    while True:
-        polytope: Array = HalfspaceIntersection(chosen, inside).intersections
-        room = MOST_FACES - len(chosen)
-        beyond = polytope @ planes[:, :3].T + planes[:, 3]
-        worst = np.argsort(-beyond.max(axis=1), kind="stable")
-        # Corners near each other are cut by one plane; a few at a time, so that each counts.
-        cuts = list(dict.fromkeys(int(i) for i in beyond[worst].argmax(axis=1)))
-        cuts = cuts[: min(room, 6)]
-        if not cuts or beyond.max() <= 1e-6:
-            return polytope
-        # Rounding of the planes must not cut the body.
-        offsets = -(corners @ planes[cuts, :3].T).max(axis=0)
-        chosen = np.concatenate([chosen, np.column_stack([planes[cuts, :3], offsets])])
+    found = HalfspaceIntersection(planes, inside).intersections
+    same = np.abs(found[:, None] - found).max(axis=-1) <= 1e-8 * extent
+    return np.asarray(found[~np.tril(same, -1).any(axis=1)])
+
+
+def _frail(polytope: Array, planes: Array, extent: float) -> npt.NDArray[np.bool_]:
+    """The planes [F] at a place where single precision could find other faces: at the two corners
+    nearest to each other, if they are near, or at a corner that is nearly on a plane."""
+    distance = np.abs(polytope @ planes[:, :3].T + planes[:, 3])
+    touched = distance <= 1e-7 * extent
+    apart = np.linalg.norm(polytope[:, None] - polytope, axis=-1)
+    apart[np.diag_indices(len(polytope))] = np.inf
+    a, b = np.unravel_index(int(apart.argmin()), apart.shape)
+    if apart[a, b] < _SHORTEST * extent:
+        return np.asarray(touched[a] | touched[b])
+    almost = np.argwhere(~touched & (distance < _ALMOST * extent))
+    frail = np.zeros(len(planes), bool)
+    if len(almost):
+        corner, plane = almost[0]
+        frail = touched[corner]
+        frail[plane] = True
+    return frail
+
+
+def _least(planes: Array, candidates: list[int], inside: Array, extent: float) -> int:
+    """The plane that cuts off least, of some."""
+    depths = []
+    for i in candidates:
+        around = _corners(np.delete(planes, i, axis=0), inside, extent)
+        depths.append(float((around @ planes[i, :3] + planes[i, 3]).max()))
+    return candidates[int(np.argmin(depths))]
 
 
 def _thickened(points: npt.NDArray[Any]) -> Array:

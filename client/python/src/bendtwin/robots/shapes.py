@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from bendtwin.robots.description import Ball, Box, Cylinder, MeshFile, Part
-from bendtwin.robots.meshes import FEW_POINTS, Hull, hull_of, read_hull
+from bendtwin.robots.meshes import Hull, hull_of, read_hull
 from bendtwin.robots.transforms import Array, placed
 from bendtwin.simulation.world import Capsule, ConvexMesh, Cuboid, Shape, Sphere
 
@@ -50,7 +50,7 @@ def merged(solids: list[Solid], poses: list[Array]) -> Shape:
     points = np.concatenate(
         [placed(pose, outline(solid)) for solid, pose in zip(solids, poses, strict=True)]
     )
-    return ConvexMesh(points if len(points) <= FEW_POINTS else hull_of(points).points)
+    return ConvexMesh(hull_of(points).points)
 
 
 def outline(solid: Solid) -> Array:
