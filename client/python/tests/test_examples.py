@@ -15,6 +15,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 PAGE = EXAMPLES / "../../../docs/use/examples.md"
 #: Modules beside the package that a script needs.
 NEEDS = {
+    "arm": ("matplotlib",),
     "export": ("mujoco", "trimesh"),
     "gradients": ("matplotlib",),
     "plan": ("matplotlib",),
@@ -22,6 +23,7 @@ NEEDS = {
 }
 #: Files that a script writes.
 WRITES = {
+    "arm": ("arm.png",),
     "export": ("twin.glb", "twin.xml", "twin.html"),
     "gradients": ("gradients.png",),
     "plan": ("plan.png",),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.planners"]
+MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.planners", "bendtwin.robots"]
 
 
 def test_the_public_names_are_these():

@@ -144,8 +144,8 @@ def test_joints_without_limits_move_but_are_not_planned(limit, fault):
     assert loose.tip_poses([0.5]).shape == (1, 7)
     with pytest.raises(RobotError, match=fault):
         JointSpace(Workcell(loose), start=[0.0])
-    told = Robot.from_urdf(text, limits={"j": Limits(low=-1, high=1, speed=1)})
-    assert JointSpace(Workcell(told), start=[0.0]).dims == 1
+    tight = Robot.from_urdf(text, limits={"j": Limits(low=-1, high=1, speed=1)})
+    assert JointSpace(Workcell(tight), start=[0.0]).dims == 1
 
 
 def ball_mesh(trimesh, folder, name, **settings):

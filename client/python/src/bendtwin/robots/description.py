@@ -88,7 +88,7 @@ class Cylinder:
 class MeshFile:
     """A mesh in a file."""
 
-    #: As the description names it.
+    #: Name in the description.
     name: str
     #: Factors of x, y and z [3].
     scale: Array

@@ -339,7 +339,7 @@ def _limited(joints: Sequence[Joint], limits: Mapping[str, Limits]) -> tuple[Joi
     names = [joint.name for joint in joints]
     for name, own in limits.items():
         if name not in names:
-            raise RobotError(f"limits name the joint {name!r}, of which there is none: {names}")
+            raise RobotError(f"limits name the joint {name!r}, but the joints are {names}")
         if not own.low <= own.high or not own.speed >= 0.0:
             raise RobotError(f"the limits of {name!r} must have low below high, and a speed")
     return tuple(replace(j, limits=limits.get(j.name, j.limits)) for j in joints)

@@ -1,9 +1,9 @@
 """Collision shapes of links, as the colliders of a world, and as points to measure depths with.
 
-A collider contains the shape that it stands for. Spheres and boxes are exact. A cylinder that is
-at least twice as long as it is thick becomes a capsule, which is cheapest for the server and
-sticks out at both ends by the radius; another one becomes a prism of 12 sides around it, 3.5 %
-thicker. A mesh becomes the polytope around it that `bendtwin.robots.meshes` makes.
+A collider contains the shape that it stands for. Spheres and boxes are exact. A cylinder at least
+twice as long as thick becomes a capsule, which is cheapest for the server and sticks out at both
+ends by the radius; another one becomes a prism of 12 sides around it, 3.5 % thicker. A mesh becomes
+the polytope around it that `bendtwin.robots.meshes` makes.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def shape_of(solid: Solid, cylinders: Cylinders) -> Shape:
 
 
 def merged(solids: list[Solid], poses: list[Array]) -> Shape:
-    """One convex shape around several bodies, in the coordinates of their poses."""
+    """Convex shape around several bodies, in the coordinates of their poses."""
     points = np.concatenate(
         [placed(pose, outline(solid)) for solid, pose in zip(solids, poses, strict=True)]
     )

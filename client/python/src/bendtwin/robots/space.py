@@ -75,7 +75,7 @@ class JointSpace:
 
     @property
     def dims(self) -> int:
-        """One for each joint that moves."""
+        """Number of joints that move."""
         return len(self.joints)
 
     @property
