@@ -191,6 +191,9 @@ def test_plans_into_the_table_are_worse_than_all_others(scene):
 def test_the_server_says_that_it_knows_no_joints(scene):
     with pytest.raises(TypeError, match="JointSpace, such as joints: plan with Mppi"):
         OnServer(task_of(scene))
+    request = task_of(scene).request(np.zeros((1, 3, 6)))
+    with pytest.raises(TypeError, match="JointSpace, such as joints: plan with Mppi"):
+        scene.twin.plan(**request, space=task_of(scene).space)
     assert isinstance(task_of(scene).space, MachineSpace)
     with pytest.raises(ValueError, match="workcell"):
         task_of(scene, world=World())

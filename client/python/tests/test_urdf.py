@@ -215,6 +215,7 @@ def test_a_flat_mesh_is_thickened(tmp_path):
     [
         ("package://arm/ball.stl", None, "package_dirs="),
         ("ball.stl", None, "was not found at"),
+        ("a" * 5000 + ".stl", None, "was not found at"),
         ("ball.txt", b"solid", "use one of"),
         ("ball.stl", b"", "cannot be read|empty"),
         ("ball.stl", b"\xff" * 500, "cannot be read|empty|larger"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.plan import ServerPlan
 from bendtwin.planners.planner import EveryPlanDiverged
 from bendtwin.planners.task import ACTIONS, Task
-from bendtwin.simulation.plan import PlanUpdate, Search, ServerSpace
+from bendtwin.simulation.plan import PlanUpdate, Search, server_space
 from bendtwin.simulation.state import InitialState
 
 _SEARCH = Search()
@@ -30,11 +29,7 @@ class OnServer:
         """Plans for a task with K knots; `search` says how."""
         if knots < 2:
             raise ValueError("a planner needs two knots or more")
-        if not hasattr(task.space, "to_proto"):
-            raise TypeError(
-                f"the server does not know the coordinates of {type(task.space).__name__}, such as "
-                "joints: plan with Mppi, Cem, PredictiveSampling or GradientDescent"
-            )
+        server_space(task.space)  # Refuses others before the first plan.
         self.task: Task = task
         self.knots: int = knots
         self.search: Search = search
@@ -65,9 +60,7 @@ class OnServer:
                 "as lie between knots, have them change there, or plan with Mppi, say"
             )
         try:
-            found = task.twin.plan(
-                **request, search=self.search, space=cast(ServerSpace, task.space)
-            )
+            found = task.twin.plan(**request, search=self.search, space=server_space(task.space))
         except BendTwinError as error:
             if error.reason == "EVERY_PLAN_DIVERGED":
                 raise EveryPlanDiverged from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from bendtwin.robots.transforms import Array
 
 #: Most faces of a hull. The server accepts 128; each costs time for every node of the object.
 MOST_FACES = 32
-_LARGEST_BYTES = 200 << 20
+_LARGEST_BYTES = 64 << 20
 _FARTHEST_M = 1000.0
 _FORMATS = (".stl", ".obj", ".ply", ".off", ".dae", ".glb")
 #: Cosine of the least angle between the normals of a hull: 0.3 radians.
@@ -46,7 +47,7 @@ def read_hull(mesh: MeshFile, what: str) -> Hull:
     Raises:
         RobotError: If there is no such file, or no mesh in it.
     """
-    path = next((p for p in mesh.candidates if p.is_file()), None)
+    path = next((p for p in mesh.candidates if os.path.isfile(p)), None)
     if path is None:
         looked = ", ".join(map(str, mesh.candidates)) or "nowhere"
         raise RobotError(

@@ -130,7 +130,8 @@ class Workcell:
     ) -> dict[str, Any]:
         """Arguments of `Twin.rollout`, `Session.rollout` and `Session.advance` that move the robot
         along joint paths [B, K, J]: poses of every frame, world, frames and who carries which
-        control points. Closings of grasps beside them are by frame boundary as well, [F + 1].
+        control points. Closings of grasps and paths of colliders beside them are by frame boundary
+        as well, [F + 1].
 
         Args:
             joints: Joints at every frame boundary, K = F + 1, of which row 0 is the start; or with

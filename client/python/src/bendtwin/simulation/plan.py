@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -199,7 +199,7 @@ def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanReques
     """The request message of a plan with a twin.
 
     Raises:
-        TypeError: If a plan has no argument of a name.
+        TypeError: If a plan has no argument of a name, or the server does not know its space.
         ValueError: If a setting, or an array's shape or content, is wrong.
     """
     own = PlanArguments.__annotations__.keys() - RolloutArguments.__annotations__.keys()
@@ -215,8 +215,22 @@ def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanReques
             raise ValueError(f"space is {space!r}: give one of {sorted(_COORDINATES)}")
         request.space.coordinates = _COORDINATES[space]
     elif space is not None:
-        request.space.CopyFrom(space.to_proto())
+        request.space.CopyFrom(server_space(space).to_proto())
     return request
+
+
+def server_space(space: object) -> ServerSpace:
+    """A space, if the server supports it.
+
+    Raises:
+        TypeError: If it does not.
+    """
+    if not hasattr(space, "to_proto"):
+        raise TypeError(
+            f"the server does not know the coordinates of {type(space).__name__}, such as joints: "
+            "plan with Mppi, Cem, PredictiveSampling or GradientDescent of bendtwin.planners"
+        )
+    return cast(ServerSpace, space)
 
 
 def whole(last: PlanUpdate | None) -> PlanUpdate:
