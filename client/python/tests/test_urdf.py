@@ -1,5 +1,6 @@
 """Descriptions of robots that are odd, faulty or hostile, and meshes of their links."""
 
+import sys
 import time
 from itertools import pairwise
 
@@ -232,3 +233,13 @@ def test_meshes_that_cannot_be_used_are_named(tmp_path, name, content, fault):
     with pytest.raises(RobotError, match=fault) as error:
         Workcell(made)
     assert "link 'a'" in str(error.value)
+
+
+@pytest.mark.parametrize("missing", ["trimesh", "scipy.spatial"])
+def test_a_missing_library_is_named_with_the_command(tmp_path, monkeypatch, missing):
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("scipy")
+    ball_mesh(trimesh, tmp_path, "ball.stl")
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(RobotError, match=r"pip install 'bendtwin\[robots\]'"):
+        Workcell(Robot.from_urdf(with_mesh("ball.stl"), package_dirs=[tmp_path]))

@@ -68,6 +68,7 @@ def test_joints_between_knots_are_interpolated_as_joints():
 
 
 def test_links_are_chosen_and_bodies_merged():
+    pytest.importorskip("scipy")
     assert list(Workcell(example(), links=["forearm", "palm"]).links_of_colliders.values()) == [
         ("forearm",),
         ("palm",),
@@ -91,6 +92,7 @@ def test_links_are_chosen_and_bodies_merged():
 
 
 def test_too_many_colliders_are_refused_with_advice():
+    pytest.importorskip("scipy")
     shape = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
     text = f'<robot name="r"><link name="a">{33 * shape}</link></robot>'
     with pytest.raises(RobotError, match="merge=True"):
@@ -160,6 +162,7 @@ def test_costs_have_the_names_of_links():
     ids=str,
 )
 def test_colliders_contain_their_shapes(solid, cylinders):
+    pytest.importorskip("scipy")
     random = np.random.default_rng(0)
     points = surface(solid, random)
     shape = shape_of(solid, cylinders)
