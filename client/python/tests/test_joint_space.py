@@ -242,6 +242,8 @@ def test_the_server_takes_the_hulls_of_meshes(scene):
         trimesh.creation.cylinder(0.3, 1.0, sections=64).vertices,
         trimesh.creation.annulus(0.2, 0.3, 0.4, sections=64).vertices,
         trimesh.creation.capsule(1.0, 0.2).vertices,
+        # Flat but for rounding.
+        random.normal(size=(50, 3)) * [1.0, 0.5, 1e-6],
         round_box.vertices + 1e-5 * random.normal(size=round_box.vertices.shape),
         *(random.normal(size=(4 + 3 * k, 3)) * [1.0, 0.5, 0.02 * k + 0.1] for k in range(0, 20, 2)),
     ]

@@ -26,8 +26,8 @@ _LEAST_CUT = 0.005
 #: Distance within which a corner is nearly on a plane, as such a share; the server takes a corner
 #: as on it at a tenth of that.
 _ALMOST = 2e-4
-#: Thickness of a flat mesh [m].
-_THINNEST_M = 1e-3
+#: Thickness that a flat mesh gets: metres, or if that is more a share of its largest side.
+_THINNEST_M, _THINNEST = 1e-3, 5e-3
 _INSTALL = "pip install 'bendtwin[robots]'"
 
 
@@ -71,11 +71,14 @@ def hull_of(points: npt.NDArray[Any]) -> Hull:
     would make one is left out. Every cut that is left out makes it larger, never smaller.
     """
     convex = _hull(points)
+    extent = float(np.ptp(points, axis=0).max())
+    thinnest = max(_THINNEST_M, _THINNEST * extent)
     if convex is None:
-        return hull_of(_thickened(points))
+        return hull_of(_thickened(points, thinnest))
     corners = points[convex.vertices]
-    extent = float(np.ptp(corners, axis=0).max())
     box = _box(corners)
+    if (-box[:3, 3] - box[3:, 3]).min() < 0.5 * thinnest:
+        return hull_of(_thickened(points, thinnest))
     planes = np.concatenate([box, _cuts(corners, box, np.unique(convex.equations, axis=0), extent)])
     inside = corners.mean(axis=0)
     while True:
@@ -205,13 +208,13 @@ def _least(planes: Array, candidates: list[int], inside: Array, extent: float) -
     return candidates[int(np.argmin(depths))]
 
 
-def _thickened(points: npt.NDArray[Any]) -> Array:
-    """Corners of a box around points that lie in a plane, on a line or in one place."""
+def _thickened(points: npt.NDArray[Any], by_m: float) -> Array:
+    """Corners of a box around points that nearly lie in a plane, on a line or in one place."""
     middle = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
     axes = axes if len(axes) == 3 else np.eye(3)
     along = (points - middle) @ axes.T
-    low = along.min(axis=0) - 0.5 * _THINNEST_M
-    high = along.max(axis=0) + 0.5 * _THINNEST_M
+    low = along.min(axis=0) - 0.5 * by_m
+    high = along.max(axis=0) + 0.5 * by_m
     corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1), indexing="ij"), axis=-1)
     return np.asarray(middle + corners.reshape(-1, 3) @ axes)

@@ -9,7 +9,7 @@ import numpy as np
 from bendtwin.robots.robot import Robot
 from bendtwin.robots.transforms import Array
 
-#: Share of a limit within which it counts as kept: rounding.
+#: Distance beyond a limit that is rounding [rad or m].
 _TOLERANCE = 1e-6
 
 
@@ -29,8 +29,8 @@ class JointPath:
 
     @property
     def velocities(self) -> Array:
-        """Mean velocities around each time [F + 1, J], standing still before the first and after
-        the last: what a trajectory controller takes beside positions."""
+        """Velocities at each time [F + 1, J], means of those before and after it, as if the robot
+        stood still beforehand and afterwards: for trajectory controllers that take them."""
         rates = np.diff(self.positions, axis=0) / np.diff(self.times_s)[:, None]
         still = np.zeros((1, len(self.names)))
         return np.asarray(0.5 * (np.vstack([still, rates]) + np.vstack([rates, still])))
@@ -41,11 +41,8 @@ class JointPath:
         rates = np.abs(np.diff(self.positions, axis=0)) / np.diff(self.times_s)[:, None]
         for j, joint in enumerate(robot.joints):
             limits, row = joint.limits, self.positions[:, j]
-            slack = _TOLERANCE * max(
-                1.0, limits.high - limits.low if np.isfinite(limits.high - limits.low) else 1.0
-            )
             beyond = np.maximum(limits.low - row, row - limits.high)
-            if beyond.max() > slack:
+            if beyond.max() > _TOLERANCE:
                 at = int(beyond.argmax())
                 found.append(
                     f"{joint.name} is at {row[at]:.4g} after {self.times_s[at]:.3g} s, its limits "
