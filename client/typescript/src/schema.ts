@@ -1693,7 +1693,6 @@ export interface components {
             /** @description Tracking record, this observation included. */
             tracking?: components["schemas"]["Tracking"];
         };
-        /** @description A cost of a rollout. docs/use/planning.md has a table of the gradients of all kinds. */
         Cost: {
             /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
             clearance?: components["schemas"]["Cost.Clearance"];
@@ -1719,7 +1718,7 @@ export interface components {
             strain?: components["schemas"]["Cost.Strain"];
             /**
              * Format: double
-             * @description Condition of success, not negative: the value of the cost after the last frame, without its weight and regardless of `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one (RollOutResponse.successes). With `weight` 0 a cost is a condition alone. A condition changes neither costs nor gradients, and has no gradient itself. Not for `force`, `smoothness`, `control_path` and `control_speed`.
+             * @description Condition of success, at least 0: the value of the cost after the last frame, without its weight and regardless of `when`, is at most this. Costs and gradients do not depend on it. An instance succeeds if it meets all conditions (RollOutResponse.successes). Not for `force`, `smoothness`, `control_path` and `control_speed`.
              */
             success_at_most?: number;
             /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
@@ -1769,7 +1768,7 @@ export interface components {
             points?: components["schemas"]["Tensor"];
             /**
              * Format: float
-             * @description Distance at which a point counts as 39 % uncovered, 1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar.
+             * @description 1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar.
              */
             reach_m?: number;
         };
@@ -1846,7 +1845,7 @@ export interface components {
             /** @description FLOAT32 [M, 3], metres, or [F, M, 3] by frame (with EVERY_FRAME or SOFT_MIN), or [B, 1, M, 3] or [B, F, M, 3] by instance as well. */
             points?: components["schemas"]["Tensor"];
         };
-        /** @description Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are the sum of the angles between neighbours in the list as seen along the line, each within half a turn, over 2 pi; positive is counter-clockwise seen against its direction. A point within 1 micrometre of the line has no angle to its neighbours: these count as 0. The value jumps by turns where the chain crosses the line, which the gradient does not see; and as the angles add up to the one from the first point to the last, the gradient is zero but at these two, which it turns around the line. */
+        /** @description Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are the sum of the angles between neighbours in the list, each within half a turn, over 2 pi; positive is counter-clockwise seen against the direction of the line. Angles at a point within 1 micrometre of the line count as 0. The gradient turns the first and the last point around the line; it has no jumps where the chain crosses the line. */
         "Cost.Winding": {
             /** @description Only one of axis, collider may be given. */
             axis?: components["schemas"]["Cost.Winding.Axis"];

@@ -65,7 +65,7 @@ DEVICE float3 winding_pull(const ObjectiveArgs& m, const Term& t, u32 place, flo
     const Positions p = positions(m, t.frame);
     const float3 radius = radius_of(t, here);
     if (!has_angle(radius)) return zero3();
-    // Of the angle that ends here, and of the one that begins.
+    // The angle that ends here counts, and the one that begins is subtracted.
     float share = 0.0f;
     if (place > t.first && has_angle(radius_of(t, listed_at(m, t, p, place - 1)))) share += 1.0f;
     if (place + 1 < t.first + t.count && has_angle(radius_of(t, listed_at(m, t, p, place + 1))))

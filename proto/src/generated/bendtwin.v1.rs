@@ -10000,7 +10000,6 @@ pub mod initial_state {
         Session(SessionSlots),
     }
 }
-/// A cost of a rollout. docs/use/planning.md has a table of the gradients of all kinds.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Cost {
     /// Name in replies; default `cost{index}`. Names must differ; at most 128 bytes each.
@@ -10016,10 +10015,9 @@ pub struct Cost {
     /// unit of the cost.
     #[prost(double, tag = "14")]
     pub temperature: f64,
-    /// Condition of success, not negative: the value of the cost after the last frame, without its weight and
-    /// regardless of `when`, is at most this. An instance succeeds if it meets the conditions of all costs that
-    /// have one (RollOutResponse.successes). With `weight` 0 a cost is a condition alone. A condition changes
-    /// neither costs nor gradients, and has no gradient itself. Not for `force`, `smoothness`, `control_path` and
+    /// Condition of success, at least 0: the value of the cost after the last frame, without its weight and
+    /// regardless of `when`, is at most this. Costs and gradients do not depend on it. An instance succeeds if it
+    /// meets all conditions (RollOutResponse.successes). Not for `force`, `smoothness`, `control_path` and
     /// `control_speed`.
     #[prost(double, optional, tag = "15")]
     pub success_at_most: ::core::option::Option<f64>,
@@ -10149,11 +10147,10 @@ pub mod cost {
         pub skin_points: ::core::option::Option<super::Tensor>,
     }
     /// Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are
-    /// the sum of the angles between neighbours in the list as seen along the line, each within half a turn, over
-    /// 2 pi; positive is counter-clockwise seen against its direction. A point within 1 micrometre of the line has
-    /// no angle to its neighbours: these count as 0. The value jumps by turns where the chain crosses the line,
-    /// which the gradient does not see; and as the angles add up to the one from the first point to the last, the
-    /// gradient is zero but at these two, which it turns around the line.
+    /// the sum of the angles between neighbours in the list, each within half a turn, over 2 pi; positive is
+    /// counter-clockwise seen against the direction of the line. Angles at a point within 1 micrometre of the line
+    /// count as 0. The gradient turns the first and the last point around the line; it has no jumps where the
+    /// chain crosses the line.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Winding {
         /// UINT32 \[M\], M >= 2: nodes. Give either these or `skin_points`.
@@ -10165,7 +10162,6 @@ pub mod cost {
         /// UINT32 \[M\], M >= 2: points of the skin.
         #[prost(message, optional, tag = "5")]
         pub skin_points: ::core::option::Option<super::Tensor>,
-        /// The line.
         #[prost(oneof = "winding::Around", tags = "2, 3")]
         pub around: ::core::option::Option<winding::Around>,
     }
@@ -10179,7 +10175,6 @@ pub mod cost {
             #[prost(float, repeated, tag = "2")]
             pub direction: ::prost::alloc::vec::Vec<f32>,
         }
-        /// The line.
         #[derive(Clone, PartialEq, ::prost::Oneof)]
         pub enum Around {
             #[prost(message, tag = "2")]
@@ -10197,8 +10192,7 @@ pub mod cost {
         /// FLOAT32 \[M, 3\], metres.
         #[prost(message, optional, tag = "1")]
         pub points: ::core::option::Option<super::Tensor>,
-        /// Distance at which a point counts as 39 % uncovered, 1e-6..1000 metres; about half the spacing of the
-        /// surface's points, or more for a gradient from afar.
+        /// 1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar.
         #[prost(float, tag = "2")]
         pub reach_m: f32,
         /// Points of the surface: SKIN, the default, or NODES for the surface nodes.

@@ -676,8 +676,6 @@ Global___InitialState: _TypeAlias = InitialState  # noqa: Y015
 
 @_typing.final
 class Cost(_message.Message):
-    """A cost of a rollout. docs/use/planning.md has a table of the gradients of all kinds."""
-
     DESCRIPTOR: _descriptor.Descriptor
 
     class _When:
@@ -1013,11 +1011,10 @@ class Cost(_message.Message):
     @_typing.final
     class Winding(_message.Message):
         """Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are
-        the sum of the angles between neighbours in the list as seen along the line, each within half a turn, over
-        2 pi; positive is counter-clockwise seen against its direction. A point within 1 micrometre of the line has
-        no angle to its neighbours: these count as 0. The value jumps by turns where the chain crosses the line,
-        which the gradient does not see; and as the angles add up to the one from the first point to the last, the
-        gradient is zero but at these two, which it turns around the line.
+        the sum of the angles between neighbours in the list, each within half a turn, over 2 pi; positive is
+        counter-clockwise seen against the direction of the line. Angles at a point within 1 micrometre of the line
+        count as 0. The gradient turns the first and the last point around the line; it has no jumps where the
+        chain crosses the line.
         """
 
         DESCRIPTOR: _descriptor.Descriptor
@@ -1095,9 +1092,7 @@ class Cost(_message.Message):
         REACH_M_FIELD_NUMBER: _builtins.int
         POINT_SET_FIELD_NUMBER: _builtins.int
         reach_m: _builtins.float
-        """Distance at which a point counts as 39 % uncovered, 1e-6..1000 metres; about half the spacing of the
-        surface's points, or more for a gradient from afar.
-        """
+        """1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar."""
         point_set: Global___PointSet.ValueType
         """Points of the surface: SKIN, the default, or NODES for the surface nodes."""
         @_builtins.property
@@ -1146,10 +1141,9 @@ class Cost(_message.Message):
     unit of the cost.
     """
     success_at_most: _builtins.float
-    """Condition of success, not negative: the value of the cost after the last frame, without its weight and
-    regardless of `when`, is at most this. An instance succeeds if it meets the conditions of all costs that
-    have one (RollOutResponse.successes). With `weight` 0 a cost is a condition alone. A condition changes
-    neither costs nor gradients, and has no gradient itself. Not for `force`, `smoothness`, `control_path` and
+    """Condition of success, at least 0: the value of the cost after the last frame, without its weight and
+    regardless of `when`, is at most this. Costs and gradients do not depend on it. An instance succeeds if it
+    meets all conditions (RollOutResponse.successes). Not for `force`, `smoothness`, `control_path` and
     `control_speed`.
     """
     @_builtins.property

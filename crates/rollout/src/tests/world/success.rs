@@ -49,7 +49,7 @@ fn conditions_change_nothing_else() {
     }
 }
 
-/// Whenever a cost counts, and whatever its weight, its value after the last frame is compared.
+/// The value after the last frame is compared for every `when` and every weight.
 #[test]
 fn the_value_after_the_last_frame_counts_without_its_weight() {
     let bench = Bench::new();

@@ -115,7 +115,7 @@ fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
             mean(points.windows(2).map(|w| lack(w).max(0.0).powi(2)).collect())
         }
         Term::Winding { of, points, origin, direction, turns } => {
-            // Two axes that are perpendicular to the line, whatever it is.
+            // Two axes that are perpendicular to any line.
             let n = direction.map(f64::from);
             let u = cross(n, [n[2], n[0], n[1]]);
             let v = cross(n, u);
