@@ -154,6 +154,7 @@ fn document(reply: &Reply) -> serde_json::Value {
         "frames": reply.frames,
         "diagnostics": reply.diagnostics,
         "member_costs": reply.member_costs,
+        "successes": reply.successes,
         "spread_m": if reply.spread.is_empty() { Vec::new() } else { Fits::by_frame(reply) },
         "diverged": reply.diverged,
         "implausible": reply.implausible,

@@ -9,17 +9,20 @@ from bendtwin import (
     Clearance,
     ControlPath,
     ControlSpeed,
+    Coverage,
     Cuboid,
     Force,
     GivenState,
     Height,
     Keypoints,
+    Order,
     Plane,
     Returns,
     RolloutResult,
     Smoothness,
     Strain,
     TargetCloud,
+    Winding,
     Within,
 )
 from bendtwin.planners import Cem, Grippers, Mppi, Task, Together
@@ -101,6 +104,10 @@ def test_every_kind_of_cost_is_sent(twin, fake):
             ControlSpeed(limit_m_s=0.5),
             TargetCloud(points=np.zeros((3, 5, 3)), when="soft_min", temperature=1e-4),
             Keypoints(nodes=[0, 2], targets=np.zeros((2, 1, 2, 3))),
+            Order(nodes=[0, 1, 2], direction=[0, 1, 0], gap_m=0.01, success_at_most=0.0),
+            Winding(skin_points=[2, 0], axis=([0, 0, 1], [1, 0, 0]), turns=1.5),
+            Winding(nodes=[0, 1], collider=0, turns=-1.0),
+            Coverage(points=np.zeros((4, 3)), reach_m=0.02, point_set="nodes"),
         ],
     )
     costs = fake.rollout_request.costs
@@ -115,6 +122,10 @@ def test_every_kind_of_cost_is_sent(twin, fake):
         "control_speed",
         "target_cloud",
         "keypoints",
+        "order",
+        "winding",
+        "winding",
+        "coverage",
     ]
     assert costs[0].weight == -1.0
     assert costs[1].force.WhichOneof("by") == "controls"
@@ -125,6 +136,18 @@ def test_every_kind_of_cost_is_sent(twin, fake):
     assert (costs[8].when, costs[8].temperature) == (3, 1e-4)
     assert list(costs[8].target_cloud.points.shape) == [3, 5, 3]
     assert list(costs[9].keypoints.targets.shape) == [2, 1, 2, 3]
+    assert not costs[9].HasField("success_at_most")
+    assert costs[10].HasField("success_at_most")
+    order = costs[10].order
+    assert (list(order.nodes.shape), list(order.direction)) == ([3], [0, 1, 0])
+    assert order.gap_m == np.float32(0.01)
+    assert not order.HasField("skin_points")
+    around = costs[11].winding
+    assert (list(around.axis.point), list(around.axis.direction)) == ([0, 0, 1], [1, 0, 0])
+    assert (list(around.skin_points.shape), around.turns) == ([2], 1.5)
+    assert costs[12].winding.WhichOneof("around") == "collider"
+    coverage = costs[13].coverage
+    assert (list(coverage.points.shape), coverage.point_set) == ([4, 3], rollout_pb2.NODES)
 
 
 def test_wrong_costs_are_refused_before_they_are_sent(twin):
@@ -134,9 +157,16 @@ def test_wrong_costs_are_refused_before_they_are_sent(twin):
         Within(cuboid=Cuboid([0, 0], [1, 1, 1])),
         Height(plane=Plane(normal=[0, 1])),
         TargetCloud(points=[[np.nan, 0, 0]]),
+        Order(direction=[0, 1, 0]),
+        Order(nodes=[0, 1], skin_points=[0, 1], direction=[0, 1, 0]),
+        Order(nodes=[0, 1], direction=[0, 1]),
+        Winding(nodes=[0, 1], turns=1.0),
+        Winding(nodes=[0, 1], turns=1.0, collider=0, axis=([0, 0, 0], [0, 0, 1])),
+        Winding(nodes=[0, 1], turns=1.0, axis=([0, 0], [0, 0, 1])),
+        Coverage(points=np.zeros((2, 4, 3)), reach_m=0.1),
     ]
     for cost in wrong:
-        with pytest.raises(ValueError, match=r"shape|dimensions|finite"):
+        with pytest.raises(ValueError, match=r"shape|dimensions|finite|either"):
             twin.rollout(trajectories=actions(1), costs=[cost])
 
 
@@ -211,10 +241,18 @@ def test_what_a_part_covers_is_read():
     )
     assert part.window == (5, 8)
     assert part.costs.shape == (0,)
+    assert part.successes is None
     np.testing.assert_array_equal(part.unfinished, [1])
     whole = RolloutResult.from_proto(rollout_pb2.RollOutResponse())
     assert whole.window is None
     assert whole.unfinished is None
+
+
+def test_successes_are_read():
+    reply = rollout_pb2.RollOutResponse(successes=tensor(np.array([0, 1, 0.25], np.float32)))
+    successes = RolloutResult.from_proto(reply).successes
+    assert successes.dtype == np.float32
+    np.testing.assert_array_equal(successes, [0, 1, 0.25])
 
 
 def test_parts_arrive_one_by_one(twin):

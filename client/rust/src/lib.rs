@@ -114,7 +114,7 @@ pub use self::{
     resources::{Capture, DeviceMemory, Fit, Job, Supplement, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
-        GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
+        GripperPoses, Implausible, Line, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
         Statistic, Vary, WirePose, World,
     },
     sessions::{

@@ -11,7 +11,7 @@ use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
 
 pub use self::{
-    cost::{Cost, ForceBy},
+    cost::{Cost, ForceBy, Line},
     reply::{Diagnostics, Divergence, Forces, Implausible, Reply},
     request::{GripperPoses, Rollout},
     state::{Grasping, State},

@@ -1718,7 +1718,7 @@ export interface components {
             strain?: components["schemas"]["Cost.Strain"];
             /**
              * Format: double
-             * @description Condition of success: the value of the cost after the last frame, without its weight and regardless of `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one (RollOutResponse.successes). Not for costs of forces, of smoothness, or of control points. A condition has no gradient.
+             * @description Condition of success, at least 0: the value of the cost after the last frame, without its weight and regardless of `when`, is at most this. Costs and gradients do not depend on it. An instance succeeds if it meets all conditions (RollOutResponse.successes). Not for `force`, `smoothness`, `control_path` and `control_speed`.
              */
             success_at_most?: number;
             /** @description Only one of target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding, coverage may be given. */
@@ -1730,7 +1730,7 @@ export interface components {
             temperature?: number;
             /**
              * Format: double
-             * @description Default: 1. With 0 the cost is switched off and reported as 0.
+             * @description Default: 1. With 0 the cost is switched off and reported as 0; its condition of success still counts.
              */
             weight?: number;
             /**
@@ -1757,7 +1757,7 @@ export interface components {
             /** Format: double */
             limit_m_s?: number;
         };
-        /** @description Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)) with the distance d to the nearest point of the twin's surface. */
+        /** @description Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)), with the distance d to the nearest point of the twin's surface. The gradient takes the nearest point as fixed and fades where d is several times the reach. */
         "Cost.Coverage": {
             /**
              * @description Points of the surface: SKIN, the default, or NODES for the surface nodes.
@@ -1768,7 +1768,7 @@ export interface components {
             points?: components["schemas"]["Tensor"];
             /**
              * Format: float
-             * @description Above 0; about half the spacing of the surface's points.
+             * @description 1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar.
              */
             reach_m?: number;
         };
@@ -1814,7 +1814,7 @@ export interface components {
             /** @description FLOAT32 [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3], metres, like the points of a target cloud. */
             targets?: components["schemas"]["Tensor"];
         };
-        /** @description Order of nodes along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) - x))^2, square metres. 0 if each node is at least `gap_m` ahead of the one before it. */
+        /** @description Order of nodes or skin points along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) - x))^2, square metres. 0 if each point is at least `gap_m` ahead of the one before it. */
         "Cost.Order": {
             /** @description Unit vector, three numbers. */
             direction?: number[];
@@ -1823,8 +1823,10 @@ export interface components {
              * @description At least 0.
              */
             gap_m?: number;
-            /** @description UINT32 [M], M >= 2. */
+            /** @description UINT32 [M], M >= 2: nodes. Give either these or `skin_points`. */
             nodes?: components["schemas"]["Tensor"];
+            /** @description UINT32 [M], M >= 2: points of the skin. */
+            skin_points?: components["schemas"]["Tensor"];
         };
         /** @description Mean squared second difference of node positions over three frames, square metres. */
         "Cost.Smoothness": Record<string, never>;
@@ -1843,17 +1845,19 @@ export interface components {
             /** @description FLOAT32 [M, 3], metres, or [F, M, 3] by frame (with EVERY_FRAME or SOFT_MIN), or [B, 1, M, 3] or [B, F, M, 3] by instance as well. */
             points?: components["schemas"]["Tensor"];
         };
-        /** @description Winding of a chain of nodes around a straight line: (turns - wanted turns)^2. The turns are the sum of the angles between neighbours in the list as seen along the line, over 2 pi; positive is counter-clockwise seen against its direction. The gradient is that of the angles; it jumps where the chain crosses the line. */
+        /** @description Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are the sum of the angles between neighbours in the list, each within half a turn, over 2 pi; positive is counter-clockwise seen against the direction of the line. Angles at a point within 1 micrometre of the line count as 0. The gradient turns the first and the last point around the line; it has no jumps where the chain crosses the line. */
         "Cost.Winding": {
             /** @description Only one of axis, collider may be given. */
             axis?: components["schemas"]["Cost.Winding.Axis"];
             /**
              * Format: int64
-             * @description Index of a static collider of the request that is a capsule: its axis. Only one of axis, collider may be given.
+             * @description Index of a fixed collider of the request that is a capsule: its axis, from its first end to its second. Only one of axis, collider may be given.
              */
             collider?: number;
-            /** @description UINT32 [M], M >= 2. */
+            /** @description UINT32 [M], M >= 2: nodes. Give either these or `skin_points`. */
             nodes?: components["schemas"]["Tensor"];
+            /** @description UINT32 [M], M >= 2: points of the skin. */
+            skin_points?: components["schemas"]["Tensor"];
             /**
              * Format: float
              * @description Wanted turns, -100..100.
@@ -3202,7 +3206,7 @@ export interface components {
              * @description Substeps per frame that were simulated.
              */
             substeps: number;
-            /** @description Present if a cost has a condition of success: 1 for an instance that meets all conditions, otherwise 0, also where it diverged; with an ensemble the share of members. FLOAT32 [B']. */
+            /** @description Present if a cost has a condition of success: 1 for an instance that meets all conditions, and otherwise 0, also where it diverged or is unfinished. With an ensemble, the share of members that meet them; with MEAN_PREDICTION that of the mean motion. FLOAT32 [B']. */
             successes?: components["schemas"]["Tensor"];
             timing?: components["schemas"]["RollOutResponse.Timing"];
             /** @description Instances that were not simulated within `time_limit_s`, UINT32. Their costs are +inf, their arrays NaN. */

@@ -35,8 +35,8 @@ score(const __grid_constant__ ScoreArgs args) {
         const Term t = m.terms[own.term];
         double sum = 0.0;
         u32 over = t.count;
-        if (t.kind == CHAMFER) {
-            sum = chamfer(m, t, own.first);
+        if (seeks_nearest(t)) {
+            sum = nearest(m, t, own.first);
         } else if (t.kind == TRACK) {
             sum = track(m, t);
         } else if (t.kind == STRAIN) {
@@ -60,6 +60,13 @@ score(const __grid_constant__ ScoreArgs args) {
             float3 f = force_of(m, t);
             double excess = fmax(sqrt((double)dot(f, f)) - (double)t.beta, 0.0);
             if (threadIdx.x == 0) sum = excess * excess;
+        } else if (t.kind == ORDER) {
+            over = links_of(t);
+            sum = order(m, t);
+        } else if (t.kind == WINDING) {
+            over = 1;
+            double apart = turns_beyond(m, t);
+            if (threadIdx.x == 0) sum = apart * apart;
         } else if (t.kind == ABOVE || t.kind == WITHIN) {
             over = t.loss == ALL_NODES ? m.node_count : t.count;
             for (u32 i = threadIdx.x; i < over; i += THREADS) {
@@ -169,7 +176,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) seed(const __grid_constant
             continue;
         }
         // Without a surface there is no nearest node.
-        if (t.kind == CHAMFER && m.surface_count == 0) continue;
+        if (seeks_nearest(t) && m.surface_count == 0) continue;
         sum = add(sum, target_seed(m, t, blockIdx.x * THREADS, here));
     }
     if (point_bars && has) sum = add(sum, carried_bar(m.skin, positions(m, frame), point_bars, i));

@@ -9,6 +9,9 @@
 #define WITHIN 5
 #define CLEARANCE 6
 #define FORCE 7
+#define ORDER 8
+#define WINDING 9
+#define COVERAGE 10
 #define BY_CONTROLS 0
 #define BY_ONE_CONTROL 1
 #define BY_GRASP 2
@@ -23,20 +26,23 @@
 
 struct Term {
     u32 kind, frame;
-    u32 count;   // targets, or nodes of a region
+    u32 count;   // targets, nodes of a region, or points of a list
     u32 first;   // first of them
     u32 loss;    // of a region: ALL_NODES, or 0 for those counted; of a force: what exerts it
-    u32 of;      // what the points of a Chamfer distance or track are: NODES or SKIN
-    float beta;  // limit of a strain or force, offset of a half space, margin of a collider
+    u32 of;      // what points near targets, of a track or of a list are: NODES or SKIN
+    // Limit of a strain or force, offset of a half space, margin of a collider, gap of an order, wanted
+    // turns, reach of a coverage.
+    float beta;
     float weight;
     // Number of the collider, or of what exerts the force; of a term at the skin, row of its frame in
     // `point_bars`.
     u32 part;
-    // Normal of a half space, or corners of a box.
+    // Normal of a half space, corners of a box, direction of an order, or point and direction of a line.
     float low[3], high[3];
 };
 
-// A part of a term that a block scores: PIECE targets of a Chamfer distance, all of any other term.
+// A part of a term that a block scores: PIECE targets whose nearest points it seeks, all of any other
+// term.
 struct Piece {
     u32 term;
     u32 first;  // of its targets
@@ -48,7 +54,7 @@ struct ObjectiveArgs {
     const u32* frame_terms;   // [frames + 2]: first term of each frame
     const Piece* pieces;      // in the order of the terms
     const float* targets;     // [targets][3]
-    const u32* target_points; // of tracks and regions: nodes or points of the skin
+    const u32* target_points; // of tracks, regions and lists: nodes or points of the skin
     u32* nearest;             // [targets] of this instance
     double* values;           // [pieces] of this instance
     float* seeds;             // [frames + 1][3][N], or null
@@ -76,3 +82,11 @@ DEVICE Positions positions(const ObjectiveArgs& m, u32 frame) {
 DEVICE float3 position(const ObjectiveArgs& m, u32 frame, u32 node) {
     return node_at(positions(m, frame), node);
 }
+
+// Position of one of the points that a term is about.
+DEVICE float3 point_at(const ObjectiveArgs& m, const Term& t, const Positions& p, u32 point) {
+    return t.of == SKIN ? skin_at(m.skin, p, point) : node_at(p, point);
+}
+
+// True for a term about the nearest points of targets.
+DEVICE bool seeks_nearest(const Term& t) { return t.kind == CHAMFER || t.kind == COVERAGE; }

@@ -1,5 +1,5 @@
 // Distances of an object's points to their targets, the points being nodes or skin. The nearest point
-// of a Chamfer target counts as fixed in the gradient.
+// of a target counts as fixed in the gradient.
 
 #define TILE 512
 // Targets that a block seeks the nearest points of.
@@ -34,20 +34,20 @@ DEVICE float3 point_gradient(const Term& t, float3 d) {
     );
 }
 
-// Position of one of the points that a term is about.
-DEVICE float3 point_at(const ObjectiveArgs& m, const Term& t, const Positions& p, u32 point) {
-    return t.of == SKIN ? skin_at(m.skin, p, point) : node_at(p, point);
+// -d^2 / (2 reach^2) of a coverage.
+DEVICE float reach_exponent(const Term& t, float3 d) {
+    return -0.5f * dot(d, d) / (t.beta * t.beta);
 }
 
-// Number of the points among which a Chamfer distance seeks the nearest.
+// Number of the points among which a term seeks the nearest.
 DEVICE u32 surface_of(const ObjectiveArgs& m, const Term& t) {
     return t.of == SKIN ? m.skin.point_count : m.surface_count;
 }
 
-// Sum of squared distances of the thread's targets to their nearest points of the surface, EACH of
-// `count` targets from `first` on; ties go to the lower index.
+// Sum of squared distances, or uncovered shares, of the thread's targets and their nearest points of the
+// surface, EACH of `count` targets from `first` on; ties go to the lower index.
 template <u32 EACH>
-DEVICE double chamfer(const ObjectiveArgs& m, const Term& t, u32 first, u32 count, float4* tile) {
+DEVICE double nearest(const ObjectiveArgs& m, const Term& t, u32 first, u32 count, float4* tile) {
     const Positions p = positions(m, t.frame);
     const u32 surface = surface_of(m, t);
     float3 target[EACH];
@@ -83,21 +83,26 @@ DEVICE double chamfer(const ObjectiveArgs& m, const Term& t, u32 first, u32 coun
 #pragma unroll
     for (u32 j = 0; j < EACH; j++) {
         u32 i = j * THREADS + threadIdx.x;
-        if (i >= count || surface == 0) continue;
+        if (i >= count) continue;
+        if (surface == 0) {
+            // Nothing is covered.
+            if (t.kind == COVERAGE) sum += 1.0;
+            continue;
+        }
         m.nearest[first + i] = winner[j];
         float3 d = sub(point_at(m, t, p, winner[j]), target[j]);
-        sum += dot(d, d);
+        sum += t.kind == COVERAGE ? -expm1f(reach_exponent(t, d)) : dot(d, d);
     }
     return sum;
 }
 
 // The same for the targets of a piece of a term, with as few for each thread as there are.
-DEVICE double chamfer(const ObjectiveArgs& m, const Term& t, u32 piece) {
+DEVICE double nearest(const ObjectiveArgs& m, const Term& t, u32 piece) {
     __shared__ float4 tile[TILE];
     const u32 count = min((u32)PIECE, t.count - piece), first = t.first + piece;
-    if (count <= THREADS) return chamfer<1>(m, t, first, count, tile);
-    if (count <= 2 * THREADS) return chamfer<2>(m, t, first, count, tile);
-    return chamfer<TARGETS_EACH>(m, t, first, count, tile);
+    if (count <= THREADS) return nearest<1>(m, t, first, count, tile);
+    if (count <= 2 * THREADS) return nearest<2>(m, t, first, count, tile);
+    return nearest<TARGETS_EACH>(m, t, first, count, tile);
 }
 
 // Mean loss of a track times their number, of the thread's pairs.
@@ -111,15 +116,33 @@ DEVICE double track(const ObjectiveArgs& m, const Term& t) {
     return sum;
 }
 
-// d loss / d position of one of the points of a track, Chamfer distance or region, which is at `here`:
-// of point `first` + the thread's index. The block first lists which targets have one of its points,
-// in their order.
+// Factor of a term's pulls in d loss / d positions.
+DEVICE float pull_weight(const ObjectiveArgs& m, const Term& t) {
+    if (t.kind == WINDING) return (float)(2.0 * t.weight * turns_beyond(m, t) / TWO_PI);
+    if (t.kind == COVERAGE) return t.weight / max(t.count, 1u) / (t.beta * t.beta);
+    const u32 over = t.kind == ORDER ? links_of(t) : t.count;
+    return (t.kind == TRACK ? 1.0f : 2.0f) * t.weight / max(over, 1u);
+}
+
+// What pulls at a point, which is at `here`, because of one of a term's targets or places in a list.
+DEVICE float3 pull_of(const ObjectiveArgs& m, const Term& t, u32 place, float3 here) {
+    if (t.kind == ABOVE || t.kind == WITHIN) return beyond(t, here);
+    if (t.kind == ORDER) return order_pull(m, t, place, here);
+    if (t.kind == WINDING) return winding_pull(m, t, place, here);
+    const float3 d = sub(here, load_v3(m.targets + 3 * (u64)place));
+    if (t.kind == COVERAGE) return scale(d, expf(reach_exponent(t, d)));
+    return t.kind == CHAMFER ? d : point_gradient(t, d);
+}
+
+// d loss / d position of one of the points that targets, a region or a list have, which is at `here`: of
+// point `first` + the thread's index. The block first lists which targets have one of its points, in
+// their order.
 DEVICE float3 target_seed(const ObjectiveArgs& m, const Term& t, u32 first, float3 here) {
     __shared__ uint2 listed[THREADS];  // thread of the point, target
     __shared__ u32 counts[THREADS / 32];
     const u32 lane = threadIdx.x % 32, warp = threadIdx.x / 32;
-    const u32* points = t.kind == CHAMFER ? m.nearest : m.target_points;
-    const float w = (t.kind == TRACK ? 1.0f : 2.0f) * t.weight / max(t.count, 1u);
+    const u32* points = seeks_nearest(t) ? m.nearest : m.target_points;
+    const float w = pull_weight(m, t);
     float3 sum = zero3();
     for (u32 base = 0; base < t.count; base += THREADS) {
         const u32 i = base + threadIdx.x;
@@ -138,12 +161,7 @@ DEVICE float3 target_seed(const ObjectiveArgs& m, const Term& t, u32 first, floa
         __syncthreads();
         for (u32 k = 0; k < size; k++) {
             if (listed[k].x != threadIdx.x) continue;
-            if (t.kind == ABOVE || t.kind == WITHIN) {
-                sum = add_scaled(sum, w, beyond(t, here));
-                continue;
-            }
-            float3 d = sub(here, load_v3(m.targets + 3 * (u64)listed[k].y));
-            sum = add_scaled(sum, w, t.kind == CHAMFER ? d : point_gradient(t, d));
+            sum = add_scaled(sum, w, pull_of(m, t, listed[k].y, here));
         }
     }
     return sum;

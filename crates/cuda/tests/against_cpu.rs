@@ -16,7 +16,7 @@ use bendtwin_engine::{
     cpu,
     objective::WeightedTerm,
 };
-use bendtwin_engine_kit::{RandomOptions, in_frames, random_model, random_motion};
+use bendtwin_engine_kit::{RandomOptions, in_frames, random_model, random_motion, task_terms};
 
 fn backend() -> Arc<dyn Backend> {
     static BACKEND: OnceLock<Arc<dyn Backend>> = OnceLock::new();
@@ -100,20 +100,40 @@ fn objective(model: &Model, frames: usize) -> Objective {
             targets: targets.clone(),
             loss,
         };
-        let [skin_chamfer, skin_track] = skin::terms(model, frame);
+        let [skin_chamfer, skin_track, skin_order, skin_winding, skin_coverage] =
+            skin::terms(model, frame);
+        let [order, winding, coverage] = task_terms(model, PointSet::Nodes, &some);
         let terms = [
             (0, 1.0, Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() }),
             (1, 0.5, track),
             (2, 0.2, Term::Acceleration),
             (3, 0.9, skin_chamfer),
             (4, 0.7, skin_track),
+            (5, 0.8, order),
+            (6, 0.01, winding),
+            (7, 0.05, coverage),
+            (8, 0.6, skin_order),
+            (9, 0.01, skin_winding),
+            (10, 0.05, skin_coverage),
         ];
         terms.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term })
     });
     Objective {
-        groups: ["chamfer", "track", "acceleration", "skin chamfer", "skin track"]
-            .map(str::to_owned)
-            .to_vec(),
+        groups: [
+            "chamfer",
+            "track",
+            "acceleration",
+            "skin chamfer",
+            "skin track",
+            "order",
+            "winding",
+            "coverage",
+            "skin order",
+            "skin winding",
+            "skin coverage",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         terms: Arc::new(terms.collect()),
     }
 }

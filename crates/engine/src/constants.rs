@@ -31,6 +31,8 @@ pub const ON_GROUND_M: f64 = 1e-3;
 pub const PUSH_S: f64 = 0.01;
 /// Depth [m] inside a surface beyond which it pushes no faster.
 pub const MAX_PUSH_M: f64 = 0.005;
+/// Distance from a line [m] within which a point has no angle around it.
+pub const LEAST_RADIUS_M: f64 = 1e-6;
 /// Stiffness of smooth contact times its width [m/s²], such that a node rests half the width deep
 /// under standard gravity.
 pub const SMOOTH_STIFFNESS_M_S2: f64 = 16.25;

@@ -98,6 +98,43 @@ pub enum Term {
         /// Force up to which it is zero [N at unit node mass].
         limit: f32,
     },
+    /// Mean over neighbours in a list of max(0, gap - direction · (x(next) - x))² [m²].
+    Order {
+        /// Set of the points.
+        of: PointSet,
+        /// Points in their wanted order, shape [M].
+        points: Arc<Vec<u32>>,
+        /// Unit vector.
+        direction: Point,
+        /// Distance along it from a point to the next from which on it is zero [m].
+        gap_m: f32,
+    },
+    /// (turns - wanted turns)² of a chain of points around a line. The turns are the sum over
+    /// neighbours of the angle from one to the next about the line, each in -pi..pi, over 2 pi.
+    /// Neighbours of which one is within [`LEAST_RADIUS_M`](crate::constants::LEAST_RADIUS_M) of the
+    /// line have no angle: it counts as zero.
+    Winding {
+        /// Set of the points.
+        of: PointSet,
+        /// Points of the chain, in its order, shape [M].
+        points: Arc<Vec<u32>>,
+        /// A point on the line [m].
+        origin: Point,
+        /// Direction of the line, a unit vector; turns are counter-clockwise seen against it.
+        direction: Point,
+        /// Wanted turns.
+        turns: f32,
+    },
+    /// Mean over target points of 1 - exp(-d² / (2 reach²)), with the distance d to the nearest point
+    /// of the surface; 1 without a surface.
+    Coverage {
+        /// Points of the surface.
+        of: PointSet,
+        /// Target points [m], shape [M, 3].
+        targets: Arc<Vec<Point>>,
+        /// Distance at which a target point counts as 39 % uncovered [m].
+        reach_m: f32,
+    },
 }
 
 /// The value of [`Term::Acceleration`] [m²] with the current positions and those one and two frames

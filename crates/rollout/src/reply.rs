@@ -71,7 +71,7 @@ pub(crate) fn summary(
     part
 }
 
-/// Sets costs and terms to those of rollouts.
+/// Sets costs, terms and successes to those of rollouts.
 pub(crate) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutResponse) {
     let names = plan.costs.names.len();
     let costs: Vec<f64> = rollouts.iter().map(cost).collect();
@@ -82,6 +82,7 @@ pub(crate) fn set_costs(plan: &Plan, rollouts: &[Rollout], part: &mut RollOutRes
         .collect();
     part.costs = Some(Tensor::pack(&[costs.len()], &costs));
     part.cost_terms = Some(Tensor::pack(&[costs.len(), names], &terms));
+    part.successes = plan.costs.successes(rollouts).map(|s| Tensor::pack(&[costs.len()], &s));
 }
 
 /// The divergence of an instance.
@@ -189,8 +190,8 @@ fn add_recordings(plan: &Plan, span: Span, arrays: &Arrays<'_>, part: &mut RollO
     }
     if returns.frame_costs {
         let (rows, width) = (span.rows().len(), plan.costs.names.len());
-        let values: Vec<f64> =
-            rollouts.iter().flat_map(|r| &r.frame_costs).map(|c| never_nan(*c)).collect();
+        let own = rollouts.iter().flat_map(|r| plan.costs.without_conditions(&r.frame_costs));
+        let values: Vec<f64> = own.map(|c| never_nan(*c)).collect();
         part.frame_costs = Some(Tensor::pack(&[rollouts.len(), rows, width], &values));
     }
     if returns.final_state && span.to == plan.frames {

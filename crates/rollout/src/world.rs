@@ -16,7 +16,7 @@ use bendtwin_core::{
 };
 use bendtwin_engine::{
     Model, Motion, World,
-    world::{Attachment, Collider, Pose, Region},
+    world::{Attachment, Collider, Pose, Region, Shape},
 };
 use bendtwin_proto::v1::{
     self, RollOutRequest, Tensor, collider::Carrier, roll_out_request::Actions as Wire,
@@ -223,6 +223,18 @@ impl Surroundings {
         Obstacles { ground: environment.ground, shapes: shapes.collect() }
     }
 
+    /// A point on the axis of a capsule that stands still [m], and the direction of the axis; none of other
+    /// colliders, or of a capsule without a length.
+    pub(crate) fn axis(&self, collider: usize) -> Option<[Point; 2]> {
+        let collider = self.world.colliders.get(collider)?;
+        match (collider.body, &collider.shape) {
+            (None, Shape::Capsule { from, to, .. }) if from != to => {
+                Some([*from, unit(std::array::from_fn(|k| to[k] - from[k]))])
+            }
+            _ => None,
+        }
+    }
+
     /// Middles of the spheres and boxes of grasps: the gripper, and the place in its coordinates [m].
     pub(crate) fn places(&self) -> Vec<(usize, Point)> {
         let grasps = self.world.grasps.iter();
@@ -300,9 +312,9 @@ fn wants_gradients(request: &RollOutRequest) -> bool {
     })
 }
 
-/// A normal whose length is about 1.
-fn unit(normal: Point) -> Point {
-    scaled(normal, 1.0 / length(normal).max(f32::MIN_POSITIVE))
+/// The unit vector along one that is not zero.
+pub(crate) fn unit(direction: Point) -> Point {
+    scaled(direction, 1.0 / length(direction).max(f32::MIN_POSITIVE))
 }
 
 fn moved(pose: &Pose, p: Point) -> Point {

@@ -10005,7 +10005,7 @@ pub struct Cost {
     /// Name in replies; default `cost{index}`. Names must differ; at most 128 bytes each.
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
-    /// Default: 1. With 0 the cost is switched off and reported as 0.
+    /// Default: 1. With 0 the cost is switched off and reported as 0; its condition of success still counts.
     #[prost(double, optional, tag = "2")]
     pub weight: ::core::option::Option<f64>,
     /// Frames at which the cost is counted; default: after the last frame.
@@ -10015,9 +10015,10 @@ pub struct Cost {
     /// unit of the cost.
     #[prost(double, tag = "14")]
     pub temperature: f64,
-    /// Condition of success: the value of the cost after the last frame, without its weight and regardless of
-    /// `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one
-    /// (RollOutResponse.successes). Not for costs of forces, of smoothness, or of control points. A condition has no gradient.
+    /// Condition of success, at least 0: the value of the cost after the last frame, without its weight and
+    /// regardless of `when`, is at most this. Costs and gradients do not depend on it. An instance succeeds if it
+    /// meets all conditions (RollOutResponse.successes). Not for `force`, `smoothness`, `control_path` and
+    /// `control_speed`.
     #[prost(double, optional, tag = "15")]
     pub success_at_most: ::core::option::Option<f64>,
     #[prost(oneof = "cost::Kind", tags = "4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 16, 17, 18")]
@@ -10128,11 +10129,11 @@ pub mod cost {
         #[prost(double, tag = "1")]
         pub limit_m_s: f64,
     }
-    /// Order of nodes along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) -
-    /// x))^2, square metres. 0 if each node is at least `gap_m` ahead of the one before it.
+    /// Order of nodes or skin points along a direction: mean over neighbours in the list of max(0, gap - direction
+    /// . (x(next) - x))^2, square metres. 0 if each point is at least `gap_m` ahead of the one before it.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Order {
-        /// UINT32 \[M\], M >= 2.
+        /// UINT32 \[M\], M >= 2: nodes. Give either these or `skin_points`.
         #[prost(message, optional, tag = "1")]
         pub nodes: ::core::option::Option<super::Tensor>,
         /// Unit vector, three numbers.
@@ -10141,19 +10142,26 @@ pub mod cost {
         /// At least 0.
         #[prost(float, tag = "3")]
         pub gap_m: f32,
+        /// UINT32 \[M\], M >= 2: points of the skin.
+        #[prost(message, optional, tag = "4")]
+        pub skin_points: ::core::option::Option<super::Tensor>,
     }
-    /// Winding of a chain of nodes around a straight line: (turns - wanted turns)^2. The turns are the sum of the
-    /// angles between neighbours in the list as seen along the line, over 2 pi; positive is counter-clockwise seen
-    /// against its direction. The gradient is that of the angles; it jumps where the chain crosses the line.
+    /// Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are
+    /// the sum of the angles between neighbours in the list, each within half a turn, over 2 pi; positive is
+    /// counter-clockwise seen against the direction of the line. Angles at a point within 1 micrometre of the line
+    /// count as 0. The gradient turns the first and the last point around the line; it has no jumps where the
+    /// chain crosses the line.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Winding {
-        /// UINT32 \[M\], M >= 2.
+        /// UINT32 \[M\], M >= 2: nodes. Give either these or `skin_points`.
         #[prost(message, optional, tag = "1")]
         pub nodes: ::core::option::Option<super::Tensor>,
         /// Wanted turns, -100..100.
         #[prost(float, tag = "4")]
         pub turns: f32,
-        /// The line.
+        /// UINT32 \[M\], M >= 2: points of the skin.
+        #[prost(message, optional, tag = "5")]
+        pub skin_points: ::core::option::Option<super::Tensor>,
         #[prost(oneof = "winding::Around", tags = "2, 3")]
         pub around: ::core::option::Option<winding::Around>,
     }
@@ -10167,24 +10175,24 @@ pub mod cost {
             #[prost(float, repeated, tag = "2")]
             pub direction: ::prost::alloc::vec::Vec<f32>,
         }
-        /// The line.
         #[derive(Clone, PartialEq, ::prost::Oneof)]
         pub enum Around {
             #[prost(message, tag = "2")]
             Axis(Axis),
-            /// Index of a static collider of the request that is a capsule: its axis.
+            /// Index of a fixed collider of the request that is a capsule: its axis, from its first end to its second.
             #[prost(uint32, tag = "3")]
             Collider(u32),
         }
     }
-    /// Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)) with the distance d to the
-    /// nearest point of the twin's surface.
+    /// Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)), with the distance d
+    /// to the nearest point of the twin's surface. The gradient takes the nearest point as fixed and fades where d
+    /// is several times the reach.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Coverage {
         /// FLOAT32 \[M, 3\], metres.
         #[prost(message, optional, tag = "1")]
         pub points: ::core::option::Option<super::Tensor>,
-        /// Above 0; about half the spacing of the surface's points.
+        /// 1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar.
         #[prost(float, tag = "2")]
         pub reach_m: f32,
         /// Points of the surface: SKIN, the default, or NODES for the surface nodes.
@@ -10479,8 +10487,9 @@ pub struct RollOutResponse {
     /// diverged.
     #[prost(message, optional, tag = "35")]
     pub spread: ::core::option::Option<Tensor>,
-    /// Present if a cost has a condition of success: 1 for an instance that meets all conditions, otherwise 0, also
-    /// where it diverged; with an ensemble the share of members. FLOAT32 \[B'\].
+    /// Present if a cost has a condition of success: 1 for an instance that meets all conditions, and otherwise 0,
+    /// also where it diverged or is unfinished. With an ensemble, the share of members that meet them; with
+    /// MEAN_PREDICTION that of the mean motion. FLOAT32 \[B'\].
     #[prost(message, optional, tag = "37")]
     pub successes: ::core::option::Option<Tensor>,
 }
@@ -10615,12 +10624,14 @@ pub enum Fidelity {
     /// from the exact twin. Requests and replies use the numbers of the exact twin's nodes and skin points. Given
     /// states keep only the nodes that the planner's twin has. Returned nodes are carried by the planner's nodes,
     /// and keypoints at nodes are measured on these. Nodes of grasps and of `height` and `within` are replaced by
-    /// the nearest of the planner's nodes. Costs over all nodes and gradients with respect to initial states are
-    /// over the planner's nodes. Keypoints at nodes cannot be combined with a target cloud of the skin, nor used
-    /// where the twin's skin touches ground and colliders. Refused with FAILED_PRECONDITION, reason
-    /// PLANNERS_TWIN_UNKNOWN, if the twin has none; with INVALID_ARGUMENT, reason INVALID_ROLLOUT, for states
-    /// whose rest shape a correction has changed, and for states with a closed grasp that holds none of the
-    /// planner's nodes. The state in a capture's frame (InitialState.CaptureFrame) is that of the exact twin.
+    /// the nearest of the planner's nodes; those of `order` and `winding` too, in their order and without
+    /// repetitions, and refused if only one remains: name `skin_points` where that is too coarse. Costs over all
+    /// nodes and gradients with respect to initial states are over the planner's nodes. Keypoints at nodes cannot
+    /// be combined with a target cloud or a coverage of the skin, nor used where the twin's skin touches ground
+    /// and colliders. Refused with FAILED_PRECONDITION, reason PLANNERS_TWIN_UNKNOWN, if the twin has none; with
+    /// INVALID_ARGUMENT, reason INVALID_ROLLOUT, for states whose rest shape a correction has changed, and for
+    /// states with a closed grasp that holds none of the planner's nodes. The state in a capture's frame
+    /// (InitialState.CaptureFrame) is that of the exact twin.
     Planner = 3,
 }
 impl Fidelity {

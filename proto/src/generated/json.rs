@@ -4026,7 +4026,7 @@ written!(crate::v1::cost::ControlSpeed);
 
 impl Fields for crate::v1::cost::Order {
     const NAME: &'static str = "Order";
-    const FIELDS: &'static [&'static str] = &["nodes", "direction", "gap_m"];
+    const FIELDS: &'static [&'static str] = &["nodes", "direction", "gap_m", "skin_points"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -4034,6 +4034,7 @@ impl Fields for crate::v1::cost::Order {
             0 => { self.nodes = tensor(map, Dtype::Uint32)?; }
 1 => { self.direction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 2 => { self.gap_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.skin_points = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -4044,6 +4045,7 @@ impl Fields for crate::v1::cost::Order {
         write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
 map.serialize_entry("direction", &self.direction)?;
 map.serialize_entry("gap_m", &self.gap_m)?;
+write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -4052,7 +4054,7 @@ written!(crate::v1::cost::Order);
 
 impl Fields for crate::v1::cost::Winding {
     const NAME: &'static str = "Winding";
-    const FIELDS: &'static [&'static str] = &["nodes", "axis", "collider", "turns"];
+    const FIELDS: &'static [&'static str] = &["nodes", "axis", "collider", "turns", "skin_points"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -4061,6 +4063,7 @@ impl Fields for crate::v1::cost::Winding {
 1 => { only_one(&mut self.around, message(map)?.map(crate::v1::cost::winding::Around::Axis))?; }
 2 => { only_one(&mut self.around, map.next_value::<Option<_>>()?.map(crate::v1::cost::winding::Around::Collider))?; }
 3 => { self.turns = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.skin_points = tensor(map, Dtype::Float32)?; }
 
             _ => {}
         }
@@ -4072,6 +4075,7 @@ impl Fields for crate::v1::cost::Winding {
 if let Some(crate::v1::cost::winding::Around::Axis(value)) = &self.around { write_message(map, "axis", Some(value), tensors)?; }
 if let Some(crate::v1::cost::winding::Around::Collider(value)) = &self.around { map.serialize_entry("collider", value)?; }
 map.serialize_entry("turns", &self.turns)?;
+write_tensor(map, "skin_points", self.skin_points.as_ref(), tensors)?;
 
         Ok(())
     }

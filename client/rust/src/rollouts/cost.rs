@@ -4,8 +4,9 @@ use bendtwin_core::Point;
 use bendtwin_proto::v1::{
     self, Cuboid, Plane, PointSet, Tensor,
     cost::{
-        Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Smoothness, Strain,
-        TargetCloud, When, Within, force,
+        Clearance, ControlPath, ControlSpeed, Coverage, Force, Height, Keypoints, Kind, Order,
+        Smoothness, Strain, TargetCloud, When, Winding, Within, force,
+        winding::{Around, Axis},
     },
 };
 
@@ -22,6 +23,20 @@ pub enum ForceBy {
     Ground,
     /// A collider of the request.
     Collider(u32),
+}
+
+/// A straight line that a chain of nodes winds around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Line {
+    /// The line through a point [m] along a unit vector.
+    Axis {
+        /// Point on the line [m].
+        point: Point,
+        /// Unit vector.
+        direction: Point,
+    },
+    /// The axis of a fixed collider of the request that is a capsule, from its first end to its second.
+    Capsule(u32),
 }
 
 /// A weighted cost, counted after the last frame unless [`Cost::every_frame`] or
@@ -110,6 +125,44 @@ impl Cost {
         Self::new(name, weight, Kind::ControlSpeed(ControlSpeed { limit_m_s }))
     }
 
+    /// Order of nodes along a unit vector: mean over neighbours in the list of
+    /// max(0, gap - direction · (x(next) - x))² [m²].
+    pub fn order(name: &str, weight: f64, nodes: &[u32], direction: Point, gap_m: f32) -> Self {
+        let nodes = Some(Tensor::pack(&[nodes.len()], nodes));
+        let order = Order { nodes, direction: direction.to_vec(), gap_m, skin_points: None };
+        Self::new(name, weight, Kind::Order(order))
+    }
+
+    /// Winding of a chain of nodes around a line, (turns - wanted turns)²; positive turns are
+    /// counter-clockwise seen against the direction of the line.
+    pub fn winding(name: &str, weight: f64, nodes: &[u32], around: Line, turns: f32) -> Self {
+        let nodes = Some(Tensor::pack(&[nodes.len()], nodes));
+        let around = Some(match around {
+            Line::Axis { point, direction } => {
+                Around::Axis(Axis { point: point.to_vec(), direction: direction.to_vec() })
+            }
+            Line::Capsule(collider) => Around::Collider(collider),
+        });
+        let winding = Winding { nodes, around, turns, skin_points: None };
+        Self::new(name, weight, Kind::Winding(winding))
+    }
+
+    /// Uncovered share of points [m]: mean of 1 - exp(-d² / (2 reach²)), with the distance d to the nearest
+    /// point of the skin.
+    pub fn coverage(name: &str, weight: f64, points: &[Point], reach_m: f32) -> Self {
+        let points = Some(Tensor::pack_points(&[points.len()], points));
+        let coverage = Coverage { points, reach_m, point_set: PointSet::Skin.into() };
+        Self::new(name, weight, Kind::Coverage(coverage))
+    }
+
+    /// Adds a condition of success: the value after the last frame, without the weight, is at most this.
+    /// [`Reply::successes`](super::Reply::successes) has the instances that meet all.
+    #[must_use]
+    pub fn success_at_most(mut self, value: f64) -> Self {
+        self.0.success_at_most = Some(value);
+        self
+    }
+
     /// Gives targets another shape than [M]: [F, M] by frame, [B, 1, M] by instance or [B, F, M];
     /// nothing changes for costs without targets. A shape that does not fit is left to the server to
     /// refuse.
@@ -126,12 +179,27 @@ impl Cost {
         self
     }
 
-    /// Measures a target cloud to the nearest surface node instead of the skin; no effect on other
-    /// costs.
+    /// Measures a target cloud or a coverage to the nearest surface node instead of the skin; no effect on
+    /// other costs.
     #[must_use]
     pub fn at_nodes(mut self) -> Self {
-        if let Some(Kind::TargetCloud(cloud)) = &mut self.0.kind {
-            cloud.point_set = PointSet::Nodes.into();
+        match &mut self.0.kind {
+            Some(Kind::TargetCloud(cloud)) => cloud.point_set = PointSet::Nodes.into(),
+            Some(Kind::Coverage(coverage)) => coverage.point_set = PointSet::Nodes.into(),
+            _ => {}
+        }
+        self
+    }
+
+    /// Measures an order or a winding at these points of the skin instead of nodes; no effect on other
+    /// costs.
+    #[must_use]
+    pub fn at_skin_points(mut self, points: &[u32]) -> Self {
+        let points = Some(Tensor::pack(&[points.len()], points));
+        match &mut self.0.kind {
+            Some(Kind::Order(order)) => (order.nodes, order.skin_points) = (None, points),
+            Some(Kind::Winding(winding)) => (winding.nodes, winding.skin_points) = (None, points),
+            _ => {}
         }
         self
     }

@@ -73,6 +73,9 @@ pub struct Reply {
     /// Costs of the members of an ensemble, of which `costs` are a statistic or beside those of their mean
     /// motion, shape [B', E].
     pub member_costs: Vec<f64>,
+    /// 1 for each instance that meets all conditions of success, otherwise 0, and with an ensemble the
+    /// share of members, shape [B']; empty without conditions.
+    pub successes: Vec<f32>,
     /// Root mean square distance of the other members of an ensemble from the first, whose
     /// `positions` are returned unless they are those of the mean [m], shape [actions, recorded frames, K]; NaN where one diverged.
     pub spread: Vec<f32>,

@@ -27,6 +27,7 @@ fn what_the_builder_makes_passes_the_check() {
         TwinShape { nodes: 5, skin_points, controls: 1, rods: Some(1), ..TwinShape::default() };
     let points = [[0.0; 3]; 5];
     let pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let line = Line::Axis { point: [0.1; 3], direction: [0.0, 0.0, 1.0] };
     let costs = |rollout: Rollout| {
         rollout
             .cost(Cost::target_cloud("cloud", 1.0, &points[..2]))
@@ -41,6 +42,10 @@ fn what_the_builder_makes_passes_the_check() {
             .cost(Cost::within("within", 1.0, [0.0; 3], [1.0; 3]))
             .cost(Cost::control_path("path", 1.0))
             .cost(Cost::control_speed("speed", 1.0, 0.5))
+            .cost(Cost::order("order", 1.0, &[0, 1, 2], [0.0, 1.0, 0.0], 0.01).success_at_most(0.0))
+            .cost(Cost::order("skin", 1.0, &[], [0.0, 1.0, 0.0], 0.0).at_skin_points(&[8, 0]))
+            .cost(Cost::winding("winding", 1.0, &[0, 4], line, -1.5))
+            .cost(Cost::coverage("covered", 0.0, &points, 0.02).at_nodes().success_at_most(0.1))
             .control_gradients()
             .initial_gradients()
             .gradient_norms()
@@ -91,6 +96,7 @@ fn what_surrounds_an_object_passes_the_check() {
         .vary(Vary { mass: vec![1.0, 2.0], ..Vary::default() })
         .ensemble(2, Statistic::Cvar(0.5))
         .cost(Cost::smoothness("", 1.0))
+        .cost(Cost::winding("around", 1.0, &[0, 1, 2], Line::Capsule(1), 1.0))
         .gradient(15, 0.001)
         .control_gradients()
         .refuse_implausible()
@@ -131,6 +137,7 @@ fn a_reply_unpacks() {
         velocities: Some(Tensor::pack_points(&[1, 2, 1], &[[3.0; 3], [4.0; 3]])),
         gradient_exploded: Some(Tensor::pack(&[1], &[1u32])),
         frame_costs: Some(Tensor::pack(&[1, 2, 1], &[0.5, 0.25])),
+        successes: Some(Tensor::pack(&[3], &[1.0f32, 0.5, 0.0])),
         ..RollOutResponse::default()
     })
     .unwrap();
@@ -141,6 +148,7 @@ fn a_reply_unpacks() {
     assert_eq!(reply.recorded(0, 2), None);
     assert_eq!(reply.recorded(1, 0), None);
     assert_eq!(reply.velocities, [[3.0; 3], [4.0; 3]]);
+    assert_eq!(reply.successes, [1.0, 0.5, 0.0]);
     assert_eq!((reply.gradient_exploded, reply.frame_costs), (vec![true], vec![0.5, 0.25]));
 }
 

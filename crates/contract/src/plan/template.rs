@@ -150,11 +150,10 @@ impl Template {
     fn unset_batch(&self, gradients: bool) -> RollOutRequest {
         let plausibility = self.request.plausibility.unwrap_or_default();
         let plausibility = Plausibility { refuse: false, strain: Some(0.0), ..plausibility };
-        RollOutRequest {
-            returns: returns(gradients),
-            plausibility: Some(plausibility),
-            ..self.request.clone()
-        }
+        let mut request = self.request.clone();
+        // Plans are compared by their costs alone.
+        request.costs.iter_mut().for_each(|cost| cost.success_at_most = None);
+        RollOutRequest { returns: returns(gradients), plausibility: Some(plausibility), ..request }
     }
 
     fn set(&self, request: &mut RollOutRequest, plans: &[Vec<f64>]) {

@@ -1,9 +1,6 @@
 //! Point sets that requests name: what costs measure, and what is recorded.
 
-use bendtwin_proto::v1::{
-    Cost, PointSet, Returns,
-    cost::{Kind, TargetCloud},
-};
+use bendtwin_proto::v1::{Cost, PointSet, Returns, cost::Kind};
 
 use super::{Error, request::tensors::given, twin::TwinShape};
 
@@ -18,9 +15,9 @@ pub(super) fn point_set(wire: i32, field: &str) -> Result<(), Error> {
     }
 }
 
-/// Point set whose distance a cloud is measured to.
-pub fn measured(cloud: &TargetCloud) -> PointSet {
-    match cloud.point_set() {
+/// Point set whose distance to target points is measured: that of a target cloud or of a coverage.
+pub fn measured(asked: PointSet) -> PointSet {
+    match asked {
         PointSet::Unspecified | PointSet::Skin => PointSet::Skin,
         PointSet::Nodes => PointSet::Nodes,
     }
@@ -54,8 +51,11 @@ pub(super) fn measures_nodes(cost: &Cost) -> bool {
 /// True if a cost places the skin.
 pub(super) fn is_at_skin(cost: &Cost) -> bool {
     match &cost.kind {
-        Some(Kind::TargetCloud(cloud)) => measured(cloud) == PointSet::Skin,
+        Some(Kind::TargetCloud(cloud)) => measured(cloud.point_set()) == PointSet::Skin,
+        Some(Kind::Coverage(coverage)) => measured(coverage.point_set()) == PointSet::Skin,
         Some(Kind::Keypoints(keypoints)) => given(keypoints.skin_points.as_ref()).is_some(),
+        Some(Kind::Order(order)) => given(order.skin_points.as_ref()).is_some(),
+        Some(Kind::Winding(winding)) => given(winding.skin_points.as_ref()).is_some(),
         Some(_) | None => false,
     }
 }

@@ -199,6 +199,7 @@ pub fn join(mut replies: Vec<RollOutResponse>) -> Result<RollOutResponse, Mismat
         frame_costs: joined!(frame_costs),
         controls: joined!(controls),
         member_costs: joined!(member_costs),
+        successes: joined!(successes),
         unfinished: joined!(unfinished),
         diagnostics: replies.iter().flat_map(|r| r.diagnostics.iter().copied()).collect(),
         diverged: replies.iter().flat_map(|r| r.diverged.iter().copied()).collect(),

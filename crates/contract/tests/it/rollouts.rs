@@ -7,13 +7,14 @@ use bendtwin_contract::rollout::{
 use bendtwin_contract_kit::rollout as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_proto::v1::{
-    ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, PointSet,
-    Returns, RollOutRequest, Tensor, Vary,
-    collider::Carrier,
+    Capsule, Collider, ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState,
+    Plane, PointSet, Returns, RollOutRequest, Sphere, Tensor, Vary,
+    collider::{Carrier, Fixed, Shape},
     cost::{
-        Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Strain, TargetCloud,
-        When, Within,
+        Clearance, ControlPath, ControlSpeed, Coverage, Force, Height, Keypoints, Kind, Strain,
+        TargetCloud, When, Winding, Within,
         force::{All, By},
+        winding::Around,
     },
     ensemble::Statistic,
     initial_state::{GivenState, State},
@@ -46,7 +47,7 @@ fn each_fault_is_refused_and_named() {
 #[test]
 fn what_needs_no_twin_is_refused_without_one() {
     // Only the twin, or the call, tells about these.
-    const NEEDS_TWIN: [&str; 20] = [
+    const NEEDS_TWIN: [&str; 23] = [
         "a point that the skin does not have",
         "a point to record that the skin does not have",
         "parts in time of one message",
@@ -67,6 +68,9 @@ fn what_needs_no_twin_is_refused_without_one() {
         "a force of a control point that is not there",
         "the height of a node that is not there",
         "a node that is not there in a box",
+        "the order of a node that is not there",
+        "the winding of a node that is not there",
+        "the winding of a skin point that is not there",
     ];
     for case in cases::malformed(&TWIN) {
         let alone = check(&case.request, &Limits::default());
@@ -108,6 +112,69 @@ fn sound_requests_pass() {
     let fast = TwinShape { fast_substeps: Some(5), ..TWIN };
     let request = RollOutRequest { fidelity: 2, ..sound() };
     assert!(check_for(&request, &fast, &limits, 0).is_ok());
+}
+
+#[test]
+fn only_a_fixed_capsule_has_an_axis_to_wind_around() {
+    let with = |change: &dyn Fn(&mut Collider)| {
+        let mut request = cases::sound_in_a_world(&TWIN);
+        let shape = Capsule { from: vec![0.0; 3], to: vec![0.0, 0.1, 0.0], radius_m: 0.01 };
+        let mut collider = Collider { shape: Some(Shape::Capsule(shape)), ..Collider::default() };
+        change(&mut collider);
+        request.world.get_or_insert_default().colliders = vec![collider];
+        let nodes = Some(Tensor::pack(&[2], &[0u32, 1]));
+        let around = Some(Around::Collider(0));
+        let winding = Winding { nodes, around, turns: 1.0, skin_points: None };
+        request.costs[0].kind = Some(Kind::Winding(winding));
+        check_for(&request, &TWIN, &Limits::default(), 0).map(drop)
+    };
+    assert_eq!(with(&|_| ()), Ok(()));
+    assert_eq!(with(&|c| c.carrier = Some(Carrier::Fixed(Fixed {}))), Ok(()));
+    let rows = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0f32].repeat(3);
+    let path = Tensor::pack(&[3, 7], &rows);
+    let point = Capsule { from: vec![0.1; 3], to: vec![0.1; 3], radius_m: 0.01 };
+    let ball = Sphere { center: Vec::new(), radius_m: 0.1 };
+    let refused: [&dyn Fn(&mut Collider); 4] = [
+        &|c| c.carrier = Some(Carrier::Gripper(0)),
+        &|c| c.carrier = Some(Carrier::Path(path.clone())),
+        &|c| c.shape = Some(Shape::Capsule(point.clone())),
+        &|c| c.shape = Some(Shape::Sphere(ball.clone())),
+    ];
+    for (i, change) in refused.into_iter().enumerate() {
+        let error = with(change).expect_err("must be refused").to_string();
+        assert!(error.contains("`costs[0].winding.collider`"), "{i}: {error}");
+        assert!(error.contains("no fixed capsule"), "{i}: {error}");
+    }
+}
+
+#[test]
+fn a_condition_is_one_more_evaluation() {
+    let of = |when: When, success_at_most| {
+        let mut request = sound();
+        let tensor = Tensor::pack(&[100, 3], &[0.0f32; 300]);
+        let coverage = Coverage { points: Some(tensor), reach_m: 0.01, point_set: 0 };
+        let kind = Some(Kind::Coverage(coverage));
+        request.costs = vec![Cost { when: when.into(), success_at_most, kind, ..Cost::default() }];
+        let batch = check(&request, &Limits::default()).unwrap();
+        let bytes = memory(&request, &batch, &TWIN, 0).bytes(1, 1);
+        (work(&request, &batch, &TWIN), bytes)
+    };
+    let ((once, small), (twice, large)) =
+        (of(When::LastFrame, None), of(When::LastFrame, Some(0.1)));
+    let (every, _) = of(When::EveryFrame, None);
+    // There are two frames.
+    assert!(twice > once && twice == every, "{once} {twice} {every}");
+    assert!(large > small, "{large} bytes with a condition, {small} without");
+    let limits = Limits { targets: 2 * 116, ..Limits::default() };
+    for (success_at_most, passes) in [(None, true), (Some(0.1), false)] {
+        let mut request = sound();
+        let tensor = Tensor::pack(&[100, 3], &[0.0f32; 300]);
+        let coverage = Coverage { points: Some(tensor), reach_m: 0.01, point_set: 0 };
+        let kind = Some(Kind::Coverage(coverage));
+        let when = When::EveryFrame.into();
+        request.costs = vec![Cost { when, success_at_most, kind, ..Cost::default() }];
+        assert_eq!(check_for(&request, &TWIN, &limits, 0).is_ok(), passes);
+    }
 }
 
 #[test]

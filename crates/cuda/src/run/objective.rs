@@ -19,12 +19,13 @@ use crate::device::{
 
 /// Targets kept at a time (a few hundred megabytes): a fit asks for the same ones again and again.
 const KEPT_TARGETS: usize = 1 << 24;
-/// A region that is meant for all nodes, a term at the skin, and the kind of a Chamfer distance; see
-/// `kernels/objective.cuh`.
+/// A region that is meant for all nodes, a term at the skin, and the kinds of terms that seek the nearest
+/// points of targets; see `kernels/objective.cuh`.
 const ALL_NODES: u32 = 1;
 const SKIN: u32 = 1;
 const CHAMFER: u32 = 0;
-/// Targets of a Chamfer distance that a block scores.
+const COVERAGE: u32 = 10;
+/// Targets that a block seeks the nearest points of.
 const PIECE: u32 = TARGETS_EACH * THREADS;
 /// Objectives kept at a time.
 const KEPT: usize = 256;
@@ -134,6 +135,20 @@ impl DeviceObjective {
                         ForceBy::Collider(k) => (4, k),
                     };
                 }
+                Term::Order { points, direction, gap_m, .. } => {
+                    (term.kind, term.beta, term.low) = (8, *gap_m, *direction);
+                    listed(points, &mut targets, &mut target_points);
+                }
+                Term::Winding { points, origin, direction, turns, .. } => {
+                    (term.kind, term.beta) = (9, *turns);
+                    (term.low, term.high) = (*origin, *direction);
+                    listed(points, &mut targets, &mut target_points);
+                }
+                Term::Coverage { targets: own, reach_m, .. } => {
+                    (term.kind, term.beta) = (COVERAGE, *reach_m);
+                    targets.extend_from_slice(own);
+                    target_points.resize(targets.len(), 0);
+                }
             }
             if is_at_skin(weighted) {
                 term.of = SKIN;
@@ -211,7 +226,8 @@ impl DeviceObjective {
 /// Pieces of terms, in their order.
 fn pieces(terms: &[args::Term]) -> Vec<Piece> {
     let of = |(index, term): (u32, &args::Term)| {
-        let count = if term.kind == CHAMFER { term.count } else { 0 };
+        let seeks_nearest = matches!(term.kind, CHAMFER | COVERAGE);
+        let count = if seeks_nearest { term.count } else { 0 };
         let firsts = (0..count.max(1)).step_by(PIECE as usize);
         firsts.map(move |first| Piece { term: index, first })
     };
@@ -220,10 +236,19 @@ fn pieces(terms: &[args::Term]) -> Vec<Piece> {
 
 /// True for a term that is about points of the skin.
 fn is_at_skin(term: &WeightedTerm) -> bool {
-    matches!(
-        term.term,
-        Term::Chamfer { of: PointSet::Skin, .. } | Term::Track { of: PointSet::Skin, .. }
-    )
+    match &term.term {
+        Term::Chamfer { of, .. }
+        | Term::Track { of, .. }
+        | Term::Order { of, .. }
+        | Term::Winding { of, .. }
+        | Term::Coverage { of, .. } => *of == PointSet::Skin,
+        Term::Acceleration
+        | Term::Strain { .. }
+        | Term::Above { .. }
+        | Term::Within { .. }
+        | Term::Clearance { .. }
+        | Term::Force { .. } => false,
+    }
 }
 
 /// Frames with terms at the skin, ascending.
@@ -244,10 +269,12 @@ fn region(
 ) {
     match nodes {
         None => term.loss = ALL_NODES,
-        Some(some) => {
-            target_points.extend_from_slice(some);
-            // One array is as long as the other.
-            targets.resize(target_points.len(), [0.0; 3]);
-        }
+        Some(some) => listed(some, targets, target_points),
     }
+}
+
+/// Appends points to those of targets; one array is as long as the other.
+fn listed(points: &[u32], targets: &mut Vec<[f32; 3]>, target_points: &mut Vec<u32>) {
+    target_points.extend_from_slice(points);
+    targets.resize(target_points.len(), [0.0; 3]);
 }

@@ -7,30 +7,34 @@ use bendtwin_engine::{
     Model, Objective, PointLoss, PointSet, Term, backend::GradientRequest, objective::WeightedTerm,
 };
 
+use bendtwin_engine_kit::task_terms;
+
 use super::{both, models, relative_within, seed};
 
 /// Aside by so little that the nearest point is hardly ever another at the next rounding [m].
 const ASIDE_M: f32 = 0.002;
 
-/// A Chamfer distance and a track of the whole skin; the loss of the track is another each frame.
-pub(super) fn terms(model: &Model, frame: usize) -> [Term; 2] {
+/// A Chamfer distance, a track, an order, a winding and a coverage of the whole skin; the loss of the
+/// track is another each frame.
+pub(super) fn terms(model: &Model, frame: usize) -> [Term; 5] {
     let rest = model.skin.positions(&model.graph.rest_positions);
     let targets: Vec<Point> = rest.iter().map(|p| p.map(|x| x + ASIDE_M)).collect();
-    let points = (0..targets.len() as u32).rev().collect();
+    let points: Vec<u32> = (0..targets.len() as u32).rev().collect();
     let loss = match frame % 3 {
         0 => PointLoss::Distance,
         1 => PointLoss::SmoothL1 { beta_m: 0.01 },
         _ => PointLoss::SquaredDistance,
     };
     let of = PointSet::Skin;
+    let [order, winding, coverage] = task_terms(model, of, &points);
     let track = Term::Track { of, points, targets: targets.iter().rev().copied().collect(), loss };
-    [Term::Chamfer { of, targets }, track]
+    [Term::Chamfer { of, targets }, track, order, winding, coverage]
 }
 
-fn at_start(terms: [Term; 2]) -> Objective {
+fn at_start(terms: [Term; 5]) -> Objective {
     let each = (0..).zip(terms);
     let terms = each.map(|(group, term)| WeightedTerm { frame: 0, weight: 1.0, group, term });
-    let groups = ["chamfer", "track"].map(str::to_owned).to_vec();
+    let groups = ["chamfer", "track", "order", "winding", "coverage"].map(str::to_owned).to_vec();
     Objective { groups, terms: Arc::new(terms.collect()) }
 }
 

@@ -19,6 +19,9 @@ const MAX_SUBSTEPS: u32 = 1_000_000;
 /// Largest number of frames of a rollout, which nothing else bounds without control points.
 const MAX_FRAMES: usize = 1_000_000;
 
+/// Least and greatest reach of a coverage [m], whose squares are numbers in single precision.
+const REACHES_M: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
 /// Fault of a term of a model without skin.
 const NO_SKIN: &str = "the model has no skin: ask for its nodes";
 
@@ -170,19 +173,33 @@ fn term(
         return Err("its weight is not finite".into());
     }
     match &t.term {
-        Term::Chamfer { of: PointSet::Skin, .. } if skin == 0 => Err(NO_SKIN.into()),
-        Term::Chamfer { targets, .. } if !finite(targets) => Err("a target is not finite".into()),
+        Term::Chamfer { of, targets } => surface(*of, targets, skin),
+        Term::Coverage { of, targets, reach_m } => {
+            if !REACHES_M.contains(reach_m) {
+                let (least, most) = (REACHES_M.start(), REACHES_M.end());
+                return Err(format!("a reach of {reach_m} m: it must lie in {least}..={most}"));
+            }
+            surface(*of, targets, skin)
+        }
+        Term::Order { of, points, direction, gap_m } => {
+            if !(gap_m.is_finite() && *gap_m >= 0.0) {
+                return Err(format!("a gap of {gap_m} m: it must be finite and not negative"));
+            }
+            unit(direction)?;
+            some_points(*of, points, [nodes, skin])
+        }
+        Term::Winding { of, points, origin, direction, turns } => {
+            if !(finite(&[*origin]) && turns.is_finite()) {
+                return Err(format!("{turns} turns around {origin:?}: all must be finite"));
+            }
+            unit(direction)?;
+            some_points(*of, points, [nodes, skin])
+        }
         Term::Track { of, points, targets, loss } => {
             if points.len() != targets.len() {
                 return Err(format!("{} points but {} targets", points.len(), targets.len()));
             }
-            let (what, count) = match of {
-                PointSet::Nodes => ("node", nodes),
-                PointSet::Skin => ("skin point", skin),
-            };
-            if let Some(point) = points.iter().find(|&&i| i as usize >= count) {
-                return Err(format!("{what} {point} of {count} {what}s"));
-            }
+            some_points(*of, points, [nodes, skin])?;
             if !finite(targets) {
                 return Err("a target is not finite".into());
             }
@@ -197,12 +214,10 @@ fn term(
             Err(format!("a strain of {limit} as the limit: it must be finite and not negative"))
         }
         Term::Above { nodes: of, normal, offset_m } => {
-            let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
-            if !(offset_m.is_finite() && (length - 1.0).abs() < 1e-3) {
-                return Err(format!(
-                    "its normal has length {length} and its offset is {offset_m}: the normal must be a unit vector"
-                ));
+            if !offset_m.is_finite() {
+                return Err(format!("its offset is {offset_m}: it must be finite"));
             }
+            unit(normal)?;
             some_nodes(of.as_ref(), nodes)
         }
         Term::Within { nodes: of, low, high } => {
@@ -213,6 +228,35 @@ fn term(
         }
         _ => Ok(()),
     }
+}
+
+/// Checks targets whose nearest points are sought.
+fn surface(of: PointSet, targets: &[Point], skin: usize) -> Result<(), String> {
+    if of == PointSet::Skin && skin == 0 {
+        return Err(NO_SKIN.into());
+    }
+    if finite(targets) { Ok(()) } else { Err("a target is not finite".into()) }
+}
+
+/// Checks that points exist, given the numbers of nodes and skin points.
+fn some_points(of: PointSet, points: &[u32], [nodes, skin]: [usize; 2]) -> Result<(), String> {
+    let (what, count) = match of {
+        PointSet::Nodes => ("node", nodes),
+        PointSet::Skin => ("skin point", skin),
+    };
+    match points.iter().find(|&&i| i as usize >= count) {
+        Some(point) => Err(format!("{what} {point} of {count} {what}s")),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a direction has length one.
+fn unit(direction: &Point) -> Result<(), String> {
+    let length = direction.iter().map(|x| x * x).sum::<f32>().sqrt();
+    if (length - 1.0).abs() < 1e-3 {
+        return Ok(());
+    }
+    Err(format!("its direction {direction:?} has length {length}: it must be a unit vector"))
 }
 
 /// Checks that nodes exist.

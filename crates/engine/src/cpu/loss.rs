@@ -1,14 +1,17 @@
-//! Values and exact gradients of an objective's terms. The nearest node of a
-//! Chamfer target counts as fixed in the gradient, which is exact almost everywhere.
+//! Values and exact gradients of an objective's terms. The nearest point of a target counts as fixed
+//! in the gradient, which is exact almost everywhere.
 
 mod clearance;
+mod coverage;
 mod force;
 mod nearest;
+mod order;
 mod points;
 mod region;
 mod strain;
+mod winding;
 
-use self::{points::Points, region::Region};
+use self::{coverage::Coverage, order::Order, points::Points, region::Region, winding::Winding};
 use super::{
     arithmetic::{Node, Quad, Real, add, add_scaled, dot},
     surroundings::{
@@ -136,6 +139,15 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>, points: &Points<'_, T>) -> f64
         Term::Force { by, limit } => {
             at.forces.map_or(0.0, |forces| force::value(forces, *by, *limit))
         }
+        Term::Order { of, points: chain, direction, gap_m } => {
+            Order { direction: *direction, gap_m: *gap_m }.value(points, *of, chain)
+        }
+        Term::Winding { of, points: chain, origin, direction, turns } => {
+            Winding::new(*origin, *direction, *turns).value(points, *of, chain)
+        }
+        Term::Coverage { of, targets, reach_m } => {
+            Coverage { reach_m: *reach_m }.value(points, *of, targets)
+        }
         Term::Acceleration => at.earlier.map_or(0.0, |[one, two]| acceleration(at.now, one, two)),
     }
 }
@@ -191,6 +203,17 @@ fn add_term_gradient<T: Real>(
             if let (Some(forces), Some(seeds)) = (at.forces, &mut bars.forces) {
                 force::add_gradient(forces, *by, *limit, weight, seeds);
             }
+        }
+        Term::Order { of, points: chain, direction, gap_m } => {
+            let order = Order { direction: *direction, gap_m: *gap_m };
+            order.add_gradient(points, *of, chain, weight, bar);
+        }
+        Term::Winding { of, points: chain, origin, direction, turns } => {
+            let winding = Winding::new(*origin, *direction, *turns);
+            winding.add_gradient(points, *of, chain, weight, bar);
+        }
+        Term::Coverage { of, targets, reach_m } => {
+            Coverage { reach_m: *reach_m }.add_gradient(points, *of, targets, weight, bar);
         }
     }
 }

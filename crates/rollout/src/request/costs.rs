@@ -1,11 +1,13 @@
 //! Costs of a request: terms of an engine objective, one group per cost, and what the engine does not
-//! measure, soft minima over frames and the motion of the controls.
+//! measure, soft minima over frames and the motion of the controls. Behind the groups of the costs is one
+//! for each condition of success, which is measured after the last frame.
 
+mod conditions;
 mod controls;
 mod measure;
 mod soft_min;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bendtwin_core::Point;
 use bendtwin_engine::{
@@ -15,8 +17,8 @@ use bendtwin_engine::{
 };
 use bendtwin_proto::v1::{self, cost::When};
 
-use self::{controls::Paths, measure::Measure};
-use crate::{error::Error, reply::Span};
+use self::{conditions::Condition, controls::Paths, measure::Measure};
+use crate::{error::Error, reply::Span, world::Surroundings};
 
 /// The costs of a checked request.
 #[derive(Debug)]
@@ -25,10 +27,29 @@ pub(crate) struct Costs {
     pub(crate) names: Vec<String>,
     /// Costs that are not switched off.
     costs: Vec<Cost>,
+    conditions: Vec<Condition>,
     frames: usize,
     fps: f64,
-    /// The objective of every instance, unless there are targets by instance.
-    shared: Option<Objective>,
+    /// The objectives of every instance, unless there are targets by instance.
+    shared: Option<Shared>,
+}
+
+/// Objectives of all instances.
+#[derive(Debug)]
+struct Shared {
+    /// With conditions.
+    scored: Objective,
+    /// The one that gradients are of, once it is asked for; without conditions the same one.
+    differentiated: OnceLock<Objective>,
+}
+
+/// What costs are read in.
+pub(crate) struct Context<'a> {
+    pub(crate) frames: usize,
+    pub(crate) fps: f64,
+    /// Newtons of a force of 1 at unit node mass.
+    pub(crate) newtons: f64,
+    pub(crate) surroundings: &'a Surroundings,
 }
 
 #[derive(Debug)]
@@ -38,62 +59,84 @@ struct Cost {
     weight: f32,
     when: When,
     temperature: f64,
-    measure: Measure,
+    measure: Arc<Measure>,
 }
 
 impl Costs {
-    /// Reads the costs of a checked request for rollouts of `frames` frames, given the newtons of a
-    /// force of 1 at unit node mass. A cost of weight 0 has a group, in which nothing is summed.
-    pub(crate) fn read(
-        wire: Vec<v1::Cost>,
-        frames: usize,
-        fps: f64,
-        newtons: f64,
-    ) -> Result<Self, Error> {
+    /// Reads the costs of a checked request. A cost of weight 0 has a group, in which nothing is summed.
+    pub(crate) fn read(wire: Vec<v1::Cost>, context: &Context<'_>) -> Result<Self, Error> {
         let mut names = Vec::with_capacity(wire.len());
         let mut costs = Vec::with_capacity(wire.len());
+        let mut conditions = Vec::new();
         for (group, cost) in wire.into_iter().enumerate() {
             let (when, temperature) = (cost.when(), cost.temperature);
             let weight = cost.weight.unwrap_or(1.0);
             names.push(if cost.name.is_empty() { format!("cost{group}") } else { cost.name });
-            if weight as f32 == 0.0 {
+            let is_off = weight as f32 == 0.0;
+            if is_off && cost.success_at_most.is_none() {
                 continue;
             }
             let field = |part: &str| format!("costs[{group}].{part}");
-            let (measure, factor) = Measure::read(cost.kind, newtons, &field)?;
-            let weight = (weight * factor) as f32;
-            costs.push(Cost { group, weight, when, temperature, measure });
+            let (measure, factor) = Measure::read(cost.kind, context, &field)?;
+            let measure = Arc::new(measure);
+            if let Some(at_most) = cost.success_at_most {
+                conditions.push(Condition { group, at_most, measure: Arc::clone(&measure) });
+            }
+            if !is_off {
+                let weight = (weight * factor) as f32;
+                costs.push(Cost { group, weight, when, temperature, measure });
+            }
         }
-        let mut costs = Self { names, costs, frames, fps, shared: None };
+        let Context { frames, fps, .. } = *context;
+        let mut costs = Self { names, costs, conditions, frames, fps, shared: None };
         if !costs.are_by_instance() {
-            costs.shared = Some(costs.make(0, Span::whole(frames), |_, _| 1.0));
+            let scored = costs.scored_over(0, Span::whole(frames));
+            let differentiated = match costs.conditions[..] {
+                [] => OnceLock::from(scored.clone()),
+                _ => OnceLock::new(),
+            };
+            costs.shared = Some(Shared { scored, differentiated });
         }
         Ok(costs)
     }
 
-    /// The objective of the rollouts of an action.
+    /// The objective of an action that gradients are of.
     pub(crate) fn objective(&self, action: usize) -> Objective {
-        self.shared.clone().unwrap_or_else(|| self.objective_over(action, self.whole()))
+        let make = || self.make(action, self.whole(), |_, _| 1.0);
+        match &self.shared {
+            Some(shared) => shared.differentiated.get_or_init(make).clone(),
+            None => make(),
+        }
+    }
+
+    /// The objective of the rollouts of an action, which measures conditions as well.
+    pub(crate) fn scored(&self, action: usize) -> Objective {
+        match &self.shared {
+            Some(shared) => shared.scored.clone(),
+            None => self.scored_over(action, self.whole()),
+        }
     }
 
     /// True if actions have different objectives.
     pub(crate) fn are_by_instance(&self) -> bool {
-        self.costs.iter().any(|cost| cost.measure.is_by_instance())
+        let of_costs = self.costs.iter().map(|cost| &cost.measure);
+        let of_conditions = self.conditions.iter().map(|condition| &condition.measure);
+        of_costs.chain(of_conditions).any(|measure| measure.is_by_instance())
     }
 
     /// The objective of rollouts of an action over a span, whose frames count from its start.
-    pub(crate) fn objective_over(&self, action: usize, span: Span) -> Objective {
-        self.make(action, span, |_, _| 1.0)
+    pub(crate) fn scored_over(&self, action: usize, span: Span) -> Objective {
+        self.with_conditions(action, span, self.make(action, span, |_, _| 1.0))
     }
 
     /// True if a cost compares positions with those of earlier frames.
     pub(crate) fn look_back(&self) -> bool {
-        self.costs.iter().any(|cost| matches!(cost.measure, Measure::Fixed(Term::Acceleration)))
+        self.costs.iter().any(|cost| matches!(*cost.measure, Measure::Fixed(Term::Acceleration)))
     }
 
     /// True if a cost of the nodes counts in every frame, and not after the last alone.
     pub(crate) fn are_in_every_frame(&self) -> bool {
-        let of_nodes = |cost: &&Cost| !matches!(cost.measure, Measure::Controls(_));
+        let of_nodes = |cost: &&Cost| !matches!(*cost.measure, Measure::Controls(_));
         let in_every = |cost: &Cost| matches!(cost.when, When::EveryFrame | When::SoftMin);
         self.costs.iter().filter(of_nodes).any(in_every)
     }
@@ -136,7 +179,12 @@ impl Costs {
 
     /// True if the engine has nothing to differentiate.
     pub(crate) fn need_no_gradient(&self) -> bool {
-        self.costs.iter().all(|cost| matches!(cost.measure, Measure::Controls(_)))
+        self.costs.iter().all(|cost| matches!(*cost.measure, Measure::Controls(_)))
+    }
+
+    /// True if the engine has nothing to measure.
+    pub(crate) fn need_no_positions(&self) -> bool {
+        self.need_no_gradient() && self.conditions.is_empty()
     }
 
     /// True if costs by frame are needed to make those of whole rollouts.
@@ -149,10 +197,11 @@ impl Costs {
     /// simulated they are infinite already.
     pub(crate) fn settle(&self, rollout: &mut Rollout, controls: &[Point]) {
         let is_whole = rollout.diverged.is_none() && rollout.cost != f64::INFINITY;
-        let width = self.names.len();
-        let mut changed = false;
+        let width = self.groups();
+        // The engine has added conditions to the sum.
+        let mut changed = !self.conditions.is_empty();
         for cost in self.costs.iter().filter(|_| is_whole) {
-            let value = match cost.measure {
+            let value = match *cost.measure {
                 Measure::Controls(motion) => {
                     let values = self.paths(controls).values(motion);
                     let weight = f64::from(cost.weight);
@@ -173,7 +222,7 @@ impl Costs {
             }
         }
         if changed {
-            rollout.cost = rollout.group_costs.iter().sum();
+            rollout.cost = rollout.group_costs.iter().take(self.names.len()).sum();
         }
     }
 
@@ -184,7 +233,7 @@ impl Costs {
         }
         let paths = self.paths(controls);
         for cost in &self.costs {
-            let Measure::Controls(motion) = cost.measure else { continue };
+            let Measure::Controls(motion) = *cost.measure else { continue };
             gradient.controls.resize(controls.len(), [0.0; 3]);
             paths.add_gradient(motion, f64::from(cost.weight), &mut gradient.controls);
         }
@@ -196,7 +245,7 @@ impl Costs {
 
     /// Values of a cost by frame from the first on, not weighted.
     fn by_frame(&self, cost: &Cost, rollout: &Rollout) -> Vec<f64> {
-        let rows = rollout.frame_costs.chunks_exact(self.names.len()).skip(1);
+        let rows = rollout.frame_costs.chunks_exact(self.groups()).skip(1);
         rows.map(|row| row[cost.group] / f64::from(cost.weight)).collect()
     }
 
@@ -212,7 +261,7 @@ impl Costs {
 
 impl Cost {
     fn is_soft(&self) -> bool {
-        self.when == When::SoftMin && !matches!(self.measure, Measure::Controls(_))
+        self.when == When::SoftMin && !matches!(*self.measure, Measure::Controls(_))
     }
 }
 

@@ -49,8 +49,8 @@ impl Ensemble {
         shares
     }
 
-    /// Turns costs by member into costs by action, in a part of a reply; those of the mean motion are
-    /// to take their place.
+    /// Turns costs and successes by member into those by action, in a part of a reply; those of the mean
+    /// motion are to take their place.
     pub(crate) fn fold(&self, part: &mut RollOutResponse) {
         if !self.is_asked_for {
             return;
@@ -70,6 +70,15 @@ impl Ensemble {
         part.costs = Some(Tensor::pack(&[actions], &costs));
         part.cost_terms = Some(Tensor::pack(&[actions, width], &folded));
         part.member_costs = Some(Tensor::pack(&[actions, self.members], &members));
+        part.successes = part.successes.take().and_then(|of| self.shares_of_success(&of));
+    }
+
+    /// Share of the members of each action that succeed.
+    fn shares_of_success(&self, members: &Tensor) -> Option<Tensor> {
+        let (_, members) = members.unpack::<f32>("successes").ok()?;
+        let share = |own: &[f32]| own.iter().sum::<f32>() / own.len() as f32;
+        let shares: Vec<f32> = members.chunks_exact(self.members).map(share).collect();
+        Some(Tensor::pack(&[shares.len()], &shares))
     }
 
     /// The gradient of the statistic from those of the members of an action, as a gradient whose

@@ -311,7 +311,7 @@ impl Execution<'_> {
 
     /// Placeholder for a rollout that was not simulated.
     fn unfinished(&self) -> Rollout {
-        let groups = self.plan.costs.names.len();
+        let groups = self.plan.costs.groups();
         let unknown = Diagnostics {
             max_strain: f32::NAN,
             max_control_strain: f32::NAN,

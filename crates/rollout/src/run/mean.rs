@@ -66,7 +66,7 @@ impl<'a> MeanMotions<'a> {
 
     /// Outputs of the engine for members: all nodes in all frames, if costs are measured there.
     pub(crate) fn outputs(&self, asked: Outputs) -> Outputs {
-        if self.plan.costs.need_no_gradient() {
+        if self.plan.costs.need_no_positions() {
             return asked;
         }
         Outputs { every: 1, initial: true, nodes: None, ..asked }
@@ -76,7 +76,7 @@ impl<'a> MeanMotions<'a> {
     pub(crate) fn strip(&self, rollout: &mut Rollout) {
         if !self.plan.returns.spread {
             (rollout.positions, rollout.velocities) = Default::default();
-        } else if !self.plan.costs.need_no_gradient() {
+        } else if !self.plan.costs.need_no_positions() {
             self.plan.returns.thin_out(rollout);
         }
     }
@@ -103,7 +103,7 @@ impl<'a> MeanMotions<'a> {
 
     /// The rollout that stands for a mean of no members.
     fn lost(&self) -> Rollout {
-        let (groups, frames) = (self.plan.costs.names.len(), self.plan.frames);
+        let (groups, frames) = (self.plan.costs.groups(), self.plan.frames);
         Rollout {
             cost: f64::INFINITY,
             group_costs: vec![f64::INFINITY; groups],
@@ -115,9 +115,9 @@ impl<'a> MeanMotions<'a> {
     /// The mean with its costs, and without unrequested arrays.
     fn measured(&mut self, first: &Instance, mut mean: Rollout) -> Rollout {
         let (costs, returns) = (&self.plan.costs, &self.plan.returns);
-        let groups = costs.names.len();
+        let groups = costs.groups();
         mean.group_costs = vec![0.0; groups];
-        if costs.need_no_gradient() {
+        if costs.need_no_positions() {
             mean.frame_costs = vec![0.0; groups * (self.plan.frames + 1)];
         } else {
             mean.frame_costs = self.gauges.of(first).frame_costs(first, &mean.positions);

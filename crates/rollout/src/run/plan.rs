@@ -17,7 +17,7 @@ use crate::{
     request::{
         actions::{Actions, Floor, Horizon, Stopped, Stops},
         checked::Checked,
-        costs::Costs,
+        costs::{Context, Costs},
         ensemble::Ensemble,
         initial::{Starts, Wanted},
         plausible::{self, Extremes, Plausibility, Prescribed},
@@ -90,7 +90,9 @@ impl Plan {
         };
         let base = Base { loaded: &served.loaded, fits: &fits, rests: &served.rests, members };
         let variants = Variants::load(request.vary, &base, &surroundings, backend, cancel)?;
-        let costs = Costs::read(request.costs, frames, fps, twin.newtons_per_unit())?;
+        let newtons = twin.newtons_per_unit();
+        let context = Context { frames, fps, newtons, surroundings: &surroundings };
+        let costs = Costs::read(request.costs, &context)?;
         let returns = Returns::read(request.returns, twin, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
@@ -195,12 +197,15 @@ impl Plan {
         actions.flat_map(|action| action * members..(action + 1) * members).collect()
     }
 
-    /// An instance, ready for the engine.
+    /// An instance whose objective has the gradient of the costs.
     pub(crate) fn instance(&self, index: usize, starts: &Starts) -> Instance {
-        self.stopped_instance(index, starts).0
+        let objective = self.costs.objective(self.action(index));
+        let objective = self.variant(index).objective(&objective);
+        Instance { objective, ..self.stopped_instance(index, starts).0 }
     }
 
-    /// An instance, and how far its hands are held back at the ground.
+    /// An instance whose objective measures costs and conditions, and how far its hands are held back at
+    /// the ground.
     pub(crate) fn stopped_instance(&self, index: usize, starts: &Starts) -> (Instance, Stops) {
         let variant = self.variant(index);
         let action = self.action(index);
@@ -229,18 +234,18 @@ impl Plan {
             initial: Arc::clone(&start.state),
             controls: Arc::new(controls),
             frames: self.frames,
-            objective: variant.objective(&self.costs.objective(action)),
+            objective: variant.objective(&self.costs.scored(action)),
             world: Arc::clone(&variant.world),
             motion: Arc::new(motion),
         };
         (instance, stops)
     }
 
-    /// An instance whose objective has the gradient of the costs at its rollout.
+    /// An instance whose objective has the gradient of the costs at its rollout, soft minima included.
     pub(crate) fn tangent(&self, index: usize, starts: &Starts, at: &Rollout) -> Instance {
         let objective = self.costs.tangent(self.action(index), at);
         let objective = self.variant(index).objective(&objective);
-        Instance { objective, ..self.instance(index, starts) }
+        Instance { objective, ..self.stopped_instance(index, starts).0 }
     }
 
     /// Model and world of an instance.

@@ -45,7 +45,7 @@ impl Execution<'_> {
     fn simulate(&self, tracks: &mut [Track], span: Span) -> Result<Vec<Rollout>, Error> {
         let outputs = self.outputs();
         let costs = &self.plan.costs;
-        let shared = (!costs.are_by_instance()).then(|| costs.objective_over(0, span));
+        let shared = (!costs.are_by_instance()).then(|| costs.scored_over(0, span));
         let mut rollouts: Vec<Rollout> = tracks.iter().map(|t| t.stopped(span)).collect();
         let running: Vec<usize> = (0..tracks.len()).filter(|i| tracks[*i].runs()).collect();
         for run in cut::runs(0..running.len(), self.plan.prepared) {
@@ -77,7 +77,7 @@ impl Execution<'_> {
 
     fn objective(&self, track: &Track, span: Span, shared: Option<&Objective>) -> Objective {
         let action = self.plan.action(track.index);
-        let own = || self.plan.costs.objective_over(action, span);
+        let own = || self.plan.costs.scored_over(action, span);
         self.plan.variant(track.index).objective(&shared.cloned().unwrap_or_else(own))
     }
 

@@ -103,13 +103,16 @@ fn returns() -> Returns {
 
 #[test]
 fn what_is_done_in_time_has_the_bits_of_the_whole_and_the_rest_is_listed() {
-    let request = RollOutRequest { returns: Some(returns()), ..request(5) };
+    let mut request = RollOutRequest { returns: Some(returns()), ..request(5) };
+    request.costs[0].success_at_most = Some(1e3);
     let whole = Bench::new().run(request.clone(), 0).unwrap().remove(0);
     let reply = limited(request, 3);
     assert_eq!(unfinished(&reply), [3, 4]);
     let (costs, all) = (f64s(&reply.costs), f64s(&whole.costs));
     assert_eq!(costs[..3], all[..3]);
     assert_eq!(costs[3..], [f64::INFINITY; 2]);
+    let successes = reply.successes.unwrap().unpack::<f32>("s").unwrap().1;
+    assert_eq!(successes, [1.0, 1.0, 1.0, 0.0, 0.0]);
     let (of, to) = (&reply.positions.unwrap(), &whole.positions.unwrap());
     assert_eq!(of.shape, to.shape);
     let done = of.data.len() / 5 * 3;

@@ -1,8 +1,16 @@
 //! Rollouts of a planner's twin, in the words of its twin.
 
+use std::f64::consts::PI;
+
 use bendtwin_core::{Fidelity, PlannerQuality, PlannersTwin};
 use bendtwin_engine::world::{Grasping, Hold, Phase};
-use bendtwin_proto::v1;
+use bendtwin_proto::v1::{
+    self,
+    cost::{
+        Coverage, Order, Winding,
+        winding::{Around, Axis},
+    },
+};
 
 use super::*;
 use crate::{request::initial::Start, twin::rest_shape::RestShape};
@@ -197,6 +205,14 @@ fn what_a_planner_does_not_measure_is_refused() {
     let run = |costs| planning.run(asking(costs, Returns::default()));
     let refused = run(vec![cloud(v1::PointSet::Skin), keypoints()]).unwrap_err();
     assert!(refused.to_string().contains("skin_points"), "{refused}");
+    let covered = |point_set: v1::PointSet| {
+        let (points, point_set) = (target.clone(), point_set.into());
+        cost(Kind::Coverage(Coverage { points, reach_m: 0.1, point_set }))
+    };
+    let refused = run(vec![keypoints(), covered(v1::PointSet::Skin)]).unwrap_err();
+    assert!(refused.to_string().contains("`costs[1].coverage`"), "{refused}");
+    run(vec![cloud(v1::PointSet::Skin), covered(v1::PointSet::Skin)]).unwrap();
+    run(vec![covered(v1::PointSet::Nodes), keypoints()]).unwrap();
     run(vec![cloud(v1::PointSet::Skin)]).unwrap();
     run(vec![cloud(v1::PointSet::Nodes), keypoints()]).unwrap();
     let beyond = Keypoints {
@@ -212,6 +228,50 @@ fn what_a_planner_does_not_measure_is_refused() {
         (none.category(), none.reason()),
         (Category::FailedPrecondition, "PLANNERS_TWIN_UNKNOWN")
     );
+}
+
+/// The second node is nearest to the first or to the third, which is in the list.
+#[test]
+fn chains_of_nodes_are_those_of_the_planner_in_their_order() {
+    let planning = Planning::new();
+    let list = |nodes: &[u32]| Some(Tensor::pack(&[nodes.len()], nodes));
+    let order = |nodes: &[u32]| {
+        let direction = vec![0.0, 0.0, 1.0];
+        let order = Order { nodes: list(nodes), direction, gap_m: 0.15, skin_points: None };
+        cost(Kind::Order(order))
+    };
+    let winding = |nodes: &[u32]| {
+        let axis = Axis { point: vec![0.2, 0.0, 0.4], direction: vec![0.0, 1.0, 0.0] };
+        let around = Some(Around::Axis(axis));
+        cost(Kind::Winding(Winding { nodes: list(nodes), around, turns: 1.0, skin_points: None }))
+    };
+    let returns = Returns { final_state: true, ..Returns::default() };
+    let run = |costs| planning.run(asking(costs, returns.clone()));
+    let asked = run(vec![order(&[3, 2, 1, 0]), winding(&[0, 1, 2, 3])]).unwrap();
+    let ends = points(&asked.final_positions).1;
+    let terms = f64s(&asked.cost_terms);
+    for (row, end) in ends.chunks(4).enumerate() {
+        let lack = |from: usize, to: usize| (0.15 - f64::from(end[to][2] - end[from][2])).max(0.0);
+        let expected = (lack(3, 2).powi(2) + lack(2, 0).powi(2)) / 2.0;
+        assert!(expected > 1e-4, "{end:?}");
+        assert!((terms[2 * row] - expected).abs() < 1e-6, "{} {expected}", terms[2 * row]);
+        let angle = |i: usize| f64::from(end[i][0] - 0.2).atan2(f64::from(end[i][2] - 0.4));
+        let turns = (angle(3) - angle(0) + PI).rem_euclid(2.0 * PI) - PI;
+        let expected = (turns / (2.0 * PI) - 1.0).powi(2);
+        assert!((terms[2 * row + 1] - expected).abs() < 1e-5, "{} {expected}", terms[2 * row + 1]);
+    }
+    for costs in [vec![order(&[3, 3])], vec![winding(&[0, 0, 0])]] {
+        let refused = run(costs).unwrap_err();
+        assert_eq!(refused.reason(), "INVALID_ROLLOUT");
+        assert!(
+            refused.to_string().contains("nodes` are all nearest to the same node"),
+            "{refused}"
+        );
+    }
+    // Points of the skin are the twin's own.
+    let skin =
+        Order { skin_points: list(&[3, 2]), direction: vec![0.0, 0.0, 1.0], ..Order::default() };
+    run(vec![cost(Kind::Order(skin))]).unwrap();
 }
 
 /// The rest lengths of a twin are not those of its small model: such a state never reaches that.

@@ -15,6 +15,8 @@ fn a_batch_that_workers_share_has_the_bits_of_the_whole() {
         control_gradients: true,
         ..Returns::default()
     });
+    // Some succeed.
+    whole.costs[0].success_at_most = Some(0.05);
     // One instance diverges: its number has to be that of the whole.
     let fast = [[0.0, 0.0, 0.6], [1e9, 0.0, 0.6]];
     let Some(Actions::Trajectories(t)) = &mut whole.actions else { panic!("trajectories") };
@@ -24,6 +26,8 @@ fn a_batch_that_workers_share_has_the_bits_of_the_whole() {
     let bench = Bench::new();
     let expected = bench.run(whole.clone(), 0).unwrap().remove(0);
     assert_eq!(expected.diverged.iter().map(|d| d.instance).collect::<Vec<_>>(), [5]);
+    let (_, successes) = expected.successes.as_ref().unwrap().unpack::<f32>("s").unwrap();
+    assert!(successes[5] == 0.0 && [0.0, 1.0].iter().all(|s| successes[..5].contains(s)));
     let batch = Batch { instances: 7, knots: 2, frames: 6 };
     for count in 1..=7 {
         // Each worker has a separate device.

@@ -2,8 +2,11 @@
 //! the CPU.
 
 mod fits;
+mod links;
 mod mean;
 mod spans;
+mod success;
+mod tasks;
 
 use bendtwin_proto::v1::{
     Capsule, Collider, Ensemble, GradientOptions, Grasp, GripperPoses, Plane, Plausibility, Sphere,

@@ -6,8 +6,8 @@
 //!   states of the twin, whichever of the two simulates.
 //! - Nodes that are recorded, and keypoints at nodes, are points of the planner's skin, which has the
 //!   twin's nodes behind the points of the twin's own skin.
-//! - Nodes of grasps and of costs of depth and place are the nearest of the planner's nodes. Costs of all
-//!   nodes are of the planner's.
+//! - Nodes of grasps and of costs of depth and place are the nearest of the planner's nodes; those of
+//!   order and winding too, in their order. Costs of all nodes are of the planner's.
 
 use std::sync::Arc;
 
@@ -154,16 +154,26 @@ impl PlannersWarm {
                 }
                 Some(Kind::Height(height)) => self.rewrite_nodes(&mut height.nodes)?,
                 Some(Kind::Within(within)) => self.rewrite_nodes(&mut within.nodes)?,
-                Some(Kind::TargetCloud(of)) if rollout::measured(of) != PointSet::Nodes => {
-                    cloud.get_or_insert(index);
+                Some(Kind::Order(order)) => {
+                    self.rewrite_chain(&mut order.nodes, &format!("costs[{index}].order.nodes"))?;
+                }
+                Some(Kind::Winding(winding)) => {
+                    let field = format!("costs[{index}].winding.nodes");
+                    self.rewrite_chain(&mut winding.nodes, &field)?;
+                }
+                Some(Kind::TargetCloud(of)) if is_at_skin(of.point_set()) => {
+                    cloud.get_or_insert_with(|| format!("costs[{index}].target_cloud"));
+                }
+                Some(Kind::Coverage(of)) if is_at_skin(of.point_set()) => {
+                    cloud.get_or_insert_with(|| format!("costs[{index}].coverage"));
                 }
                 _ => {}
             }
         }
         match cloud {
-            Some(index) if Arc::ptr_eq(model.model(), self.with_nodes.model()) => {
+            Some(field) if Arc::ptr_eq(model.model(), self.with_nodes.model()) => {
                 let fault = "is beside keypoints at nodes, which the planner's twin does not measure together: name keypoints by `skin_points`";
-                Err(Error::field(format!("costs[{index}].target_cloud"), fault))
+                Err(Error::field(field, fault))
             }
             _ => Ok(model.clone()),
         }
@@ -231,6 +241,19 @@ impl PlannersWarm {
         Ok(())
     }
 
+    /// Replaces the nodes of a chain by the nearest of the planner's nodes, each run of equal ones by one.
+    fn rewrite_chain(&self, nodes: &mut Option<Tensor>, field: &str) -> Result<(), Error> {
+        let Some(given) = nodes.take().filter(|nodes| !nodes.is_absent()) else { return Ok(()) };
+        let mut own = self.each_nearest(&given, field)?;
+        own.dedup();
+        if own.len() < 2 {
+            let fault = "are all nearest to the same node of the planner's twin: name `skin_points`, or ask for EXACT";
+            return Err(Error::field(field, fault));
+        }
+        *nodes = Some(Tensor::pack(&[own.len()], &own));
+        Ok(())
+    }
+
     /// The points of the skin that are nodes of the twin.
     fn points(&self, nodes: &Tensor, field: &str) -> Result<Tensor, Error> {
         let (shape, nodes) = nodes.unpack::<u32>(field)?;
@@ -240,11 +263,21 @@ impl PlannersWarm {
 
     /// The planner's nodes that stand for nodes of the twin, each once.
     fn nearest(&self, nodes: &Tensor, field: &str) -> Result<Tensor, Error> {
-        let (_, nodes) = nodes.unpack::<u32>(field)?;
-        let own = |node: &u32| self.nearest.get(*node as usize).copied();
-        let mut own: Vec<u32> = nodes.iter().filter_map(own).collect();
+        let mut own = self.each_nearest(nodes, field)?;
         own.sort_unstable();
         own.dedup();
         Ok(Tensor::pack(&[own.len()], &own))
     }
+
+    /// The planner's node nearest to each of these nodes of the twin.
+    fn each_nearest(&self, nodes: &Tensor, field: &str) -> Result<Vec<u32>, Error> {
+        let (_, nodes) = nodes.unpack::<u32>(field)?;
+        let own = |node: &u32| self.nearest.get(*node as usize).copied();
+        Ok(nodes.iter().filter_map(own).collect())
+    }
+}
+
+/// True if targets are measured to the skin.
+fn is_at_skin(of: PointSet) -> bool {
+    rollout::measured(of) != PointSet::Nodes
 }

@@ -3,6 +3,7 @@
 mod measures;
 mod points;
 mod surroundings;
+mod tasks;
 
 use bendtwin_contract::rollout::TwinShape;
 use bendtwin_proto::v1::{
@@ -55,7 +56,9 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
         add(what, names, RollOutRequest { initial, ..good.clone() });
     }
     let measures = measures::costs(twin.nodes, twin.controls);
-    for (what, names, costs) in costs(twin.nodes).into_iter().chain(measures).chain(points::costs())
+    let tasks = tasks::costs(twin.nodes);
+    for (what, names, costs) in
+        costs(twin.nodes).into_iter().chain(measures).chain(points::costs()).chain(tasks)
     {
         add(what, names, RollOutRequest { costs, ..good.clone() });
     }

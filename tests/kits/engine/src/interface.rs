@@ -6,3 +6,4 @@ pub(crate) mod gradients;
 pub(crate) mod objectives;
 pub(crate) mod optimizer;
 pub(crate) mod refusals;
+pub(crate) mod tasks;

@@ -20,7 +20,7 @@ mod scene;
 use bendtwin_engine::Backend;
 
 use self::{
-    interface::{batches, degenerate, gradients, objectives, optimizer, refusals},
+    interface::{batches, degenerate, gradients, objectives, optimizer, refusals, tasks},
     physics::{
         bending, clamps, colliders, conservation, contact, forces, grasps, ground, rest, skin,
         skin_contact, smooth, springs, twist,
@@ -30,6 +30,7 @@ pub use self::{
     physics::skin::in_frames,
     random::{
         RandomOptions, random_model, random_motion,
+        tasks::task_terms,
         world::{WorldOptions, count_forces, random_world},
     },
 };
@@ -200,6 +201,12 @@ suite! { ($)
         velocities_are_those_of_the_states,
         diagnostics_match_the_motion,
         extremes_are_those_of_all_diagnostics;
+    tasks:
+        a_helix_winds_as_often_as_it_turns,
+        points_on_the_line_have_no_angle,
+        only_the_ends_of_a_chain_turn,
+        points_in_order_cost_nothing,
+        covered_points_cost_nothing;
     skin:
         skins_follow_affine_motions,
         skins_follow_rigid_motions,

@@ -1,5 +1,6 @@
 //! Seeded random models and motions, public so that backends can be compared on them.
 
+pub(crate) mod tasks;
 pub(crate) mod world;
 
 use std::sync::Arc;
@@ -16,6 +17,8 @@ use bendtwin_graph::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use self::tasks::task_terms;
 
 /// Composition of a random model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -305,6 +308,8 @@ pub(crate) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objec
         let of = PointSet::Skin;
         let some = frame.is_multiple_of(2).then(|| Arc::new(nodes.clone()));
         let [above, within] = regions(model, some);
+        let [order, winding, coverage] = task_terms(model, PointSet::Nodes, &nodes);
+        let [skin_order, skin_winding, skin_coverage] = task_terms(model, of, &points);
         let all = [
             (0, 1.5, Term::Chamfer { of: PointSet::Nodes, targets: targets.clone() }),
             (
@@ -316,11 +321,17 @@ pub(crate) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objec
             (3, 0.1, Term::Strain { limit: 0.01 }),
             (4, 0.8, above),
             (5, 1.1, within),
-            (6, 1.2, Term::Chamfer { of, targets: targets.clone() }),
-            (7, 0.6, Term::Track { of, points, targets: skin_targets, loss }),
+            (6, 0.9, order),
+            (7, 0.02, winding),
+            (8, 0.1, coverage),
+            (9, 1.2, Term::Chamfer { of, targets: targets.clone() }),
+            (10, 0.6, Term::Track { of, points, targets: skin_targets, loss }),
+            (11, 0.8, skin_order),
+            (12, 0.03, skin_winding),
+            (13, 0.2, skin_coverage),
         ];
         // Without nodes at the surface there is no skin, and there are no targets.
-        let all = all.into_iter().filter(|(group, ..)| *group < 6 || !targets.is_empty());
+        let all = all.into_iter().filter(|(group, ..)| *group < 9 || !targets.is_empty());
         terms.extend(all.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term }));
     }
     let groups = [
@@ -330,8 +341,14 @@ pub(crate) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objec
         "strain",
         "above",
         "within",
+        "order",
+        "winding",
+        "coverage",
         "skin chamfer",
         "skin track",
+        "skin order",
+        "skin winding",
+        "skin coverage",
     ];
     Objective { groups: groups.map(str::to_owned).to_vec(), terms: Arc::new(terms) }
 }

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.simulation.world import Cuboid, Plane
+from bendtwin.simulation.world import Cuboid, Plane, numbers
 from bendtwin.skin import POINT_SETS, PointSet
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2, tensor_pb2
@@ -37,6 +37,11 @@ class Cost(ABC):
     temperature: float = 0.0
     #: Name in results; empty means `cost{index}`.
     name: str = ""
+    #: Condition of success: the value after the last frame, without the weight and regardless of
+    #: `when`, is at most this. `RolloutResult.successes` has the instances that meet the conditions
+    #: of all costs that have one. With `weight=0` a cost is only a condition. Not for `Force`,
+    #: `Smoothness`, `ControlPath` and `ControlSpeed`.
+    success_at_most: float | None = None
 
     def to_proto(self) -> rollout_pb2.Cost:
         """Makes the wire form."""
@@ -45,6 +50,7 @@ class Cost(ABC):
             weight=self.weight,
             when=_WHEN[self.when],
             temperature=self.temperature,
+            success_at_most=self.success_at_most,
         )
         self._describe(cost)
         return cost
@@ -52,6 +58,20 @@ class Cost(ABC):
     @abstractmethod
     def _describe(self, cost: rollout_pb2.Cost) -> None:
         """Writes what is measured."""
+
+
+def _points(
+    kind: rollout_pb2.Cost.Keypoints | rollout_pb2.Cost.Order | rollout_pb2.Cost.Winding,
+    nodes: npt.ArrayLike | None,
+    skin_points: npt.ArrayLike | None,
+) -> None:
+    """Writes the points that a cost names: nodes, or points of the skin."""
+    if (nodes is None) == (skin_points is None):
+        raise ValueError("give a cost of points either nodes or skin_points")
+    if nodes is not None:
+        kind.nodes.CopyFrom(pack_indices("nodes", nodes))
+    if skin_points is not None:
+        kind.skin_points.CopyFrom(pack_indices("skin_points", skin_points))
 
 
 def _targets(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
@@ -98,13 +118,7 @@ class Keypoints(Cost):
     skin_points: npt.ArrayLike | None = None
 
     def _describe(self, cost: rollout_pb2.Cost) -> None:
-        if (self.nodes is None) == (self.skin_points is None):
-            raise ValueError("give keypoints either nodes or skin_points")
-        if self.nodes is not None:
-            cost.keypoints.nodes.CopyFrom(pack_indices("nodes", self.nodes))
-        if self.skin_points is not None:
-            points = pack_indices("skin_points", self.skin_points)
-            cost.keypoints.skin_points.CopyFrom(points)
+        _points(cost.keypoints, self.nodes, self.skin_points)
         cost.keypoints.targets.CopyFrom(_targets("targets", self.targets))
         cost.keypoints.squared = self.squared
 
@@ -207,3 +221,78 @@ class ControlSpeed(Cost):
     def _describe(self, cost: rollout_pb2.Cost) -> None:
         cost.control_speed.limit_m_s = self.limit_m_s
         cost.control_speed.SetInParent()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Order(Cost):
+    """Order of points along a direction, 0 if each is at least `gap_m` ahead of the one before it.
+
+    Mean over neighbours in the list of max(0, gap - direction · (x(next) - x))² [m²].
+    """
+
+    #: Nodes [M] in their wanted order; give these or `skin_points`.
+    nodes: npt.ArrayLike | None = None
+    #: Unit vector [3].
+    direction: npt.ArrayLike
+    gap_m: float = 0.0
+    #: Points of the skin: `Geometry.skin`.
+    skin_points: npt.ArrayLike | None = None
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        _points(cost.order, self.nodes, self.skin_points)
+        cost.order.direction.extend(numbers("direction", self.direction, 3))
+        cost.order.gap_m = self.gap_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Winding(Cost):
+    """(turns - wanted turns)² of a chain of points around a straight line.
+
+    The turns are the sum of the angles from each point to the next as seen along the line, over 2π.
+    Angles are within half a turn, so neighbours must not be farther apart around the line. The
+    gradient turns the first and the last point around the line, and is zero between.
+    """
+
+    #: Nodes [M] in the order of the chain; give these or `skin_points`.
+    nodes: npt.ArrayLike | None = None
+    #: Wanted turns, -100..100; positive is counter-clockwise seen against the line's direction.
+    turns: float
+    #: The line: a point [3], metres, and a unit vector [3]. Give it or `collider`.
+    axis: tuple[npt.ArrayLike, npt.ArrayLike] | None = None
+    #: Number of a fixed capsule of the rollout's world: its axis, from its first end to its second.
+    collider: int | None = None
+    #: Points of the skin: `Geometry.skin`.
+    skin_points: npt.ArrayLike | None = None
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        if (self.axis is None) == (self.collider is None):
+            raise ValueError("give a winding either an axis or a collider")
+        _points(cost.winding, self.nodes, self.skin_points)
+        if self.axis is not None:
+            point, direction = self.axis
+            cost.winding.axis.point.extend(numbers("point", point, 3))
+            cost.winding.axis.direction.extend(numbers("direction", direction, 3))
+        if self.collider is not None:
+            cost.winding.collider = self.collider
+        cost.winding.turns = self.turns
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coverage(Cost):
+    """Uncovered share of points [M, 3], 0..1.
+
+    Mean over the points of 1 - exp(-d² / (2 reach²)), with the distance d to the nearest point of
+    the twin's surface.
+    """
+
+    points: npt.ArrayLike
+    #: Distance at which a point counts as 39 % uncovered; about half the spacing of the surface's
+    #: points, or more for a gradient from afar.
+    reach_m: float
+    #: Points of the surface: the skin, or the surface nodes.
+    point_set: PointSet = "skin"
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.coverage.points.CopyFrom(pack_floats("points", self.points, (None, 3)))
+        cost.coverage.reach_m = self.reach_m
+        cost.coverage.point_set = POINT_SETS[self.point_set]

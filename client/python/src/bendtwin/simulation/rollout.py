@@ -259,6 +259,9 @@ class RolloutResult(FromMessage):
     #: Costs of the members of an ensemble [B, E]; `costs` are a statistic of them, except for
     #: "mean_prediction".
     member_costs: FloatArray | None = None
+    #: Conditions of success (`Cost.success_at_most`) [B]: 1 where all are met, otherwise 0; with an
+    #: ensemble the share of members. None without conditions.
+    successes: FloatArray | None = None
     #: Root mean square distance of the other members' points from those of member 0 [actions, T,
     #: K], metres. NaN where a member diverged.
     spread: FloatArray | None = None

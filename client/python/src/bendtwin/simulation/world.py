@@ -56,7 +56,7 @@ class Cuboid:
 
     def to_proto(self) -> world_pb2.Cuboid:
         """Makes the wire form."""
-        low, high = _numbers("low", self.low, 3), _numbers("high", self.high, 3)
+        low, high = numbers("low", self.low, 3), numbers("high", self.high, 3)
         return world_pb2.Cuboid(low=low, high=high)
 
 
@@ -102,7 +102,7 @@ class Collider:
         if isinstance(shape, Sphere):
             message.sphere.CopyFrom(_sphere(shape))
         elif isinstance(shape, Capsule):
-            start, end = _numbers("start", shape.start, 3), _numbers("end", shape.end, 3)
+            start, end = numbers("start", shape.start, 3), numbers("end", shape.end, 3)
             # `from` is a word of Python.
             capsule = world_pb2.Capsule(to=end, radius_m=shape.radius_m)
             getattr(capsule, "from").extend(start)
@@ -119,7 +119,7 @@ class Collider:
         if self.path is not None:
             message.path.CopyFrom(pack_floats("path", self.path, (None, 7)))
         if self.pose is not None:
-            message.pose.extend(_numbers("pose", self.pose, 7))
+            message.pose.extend(numbers("pose", self.pose, 7))
         return message
 
 
@@ -133,7 +133,7 @@ class Plane:
 
     def to_proto(self) -> world_pb2.Plane:
         """Makes the wire form."""
-        normal = _numbers("normal", self.normal, 3)
+        normal = numbers("normal", self.normal, 3)
         return world_pb2.Plane(normal=normal, offset_m=self.offset_m)
 
 
@@ -157,7 +157,7 @@ class World:
             ground_restitution=self.ground_restitution,
         )
         if self.gravity is not None:
-            message.gravity.extend(_numbers("gravity", self.gravity, 3))
+            message.gravity.extend(numbers("gravity", self.gravity, 3))
         if isinstance(self.ground, Plane):
             message.ground.CopyFrom(self.ground.to_proto())
         elif self.ground is not None:
@@ -363,11 +363,12 @@ class Surroundings:
 
 
 def _sphere(sphere: Sphere) -> world_pb2.Sphere:
-    center = _numbers("center", sphere.center, 3)
+    center = numbers("center", sphere.center, 3)
     return world_pb2.Sphere(center=center, radius_m=sphere.radius_m)
 
 
-def _numbers(name: str, values: npt.ArrayLike, count: int) -> list[float]:
+def numbers(name: str, values: npt.ArrayLike, count: int) -> list[float]:
+    """A vector of `count` finite numbers in wire form."""
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (count,):
         raise ValueError(f"{name} has shape {array.shape}, not [{count}]")

@@ -41,12 +41,14 @@ class _FidelityEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_Fidelity.Val
     from the exact twin. Requests and replies use the numbers of the exact twin's nodes and skin points. Given
     states keep only the nodes that the planner's twin has. Returned nodes are carried by the planner's nodes,
     and keypoints at nodes are measured on these. Nodes of grasps and of `height` and `within` are replaced by
-    the nearest of the planner's nodes. Costs over all nodes and gradients with respect to initial states are
-    over the planner's nodes. Keypoints at nodes cannot be combined with a target cloud of the skin, nor used
-    where the twin's skin touches ground and colliders. Refused with FAILED_PRECONDITION, reason
-    PLANNERS_TWIN_UNKNOWN, if the twin has none; with INVALID_ARGUMENT, reason INVALID_ROLLOUT, for states
-    whose rest shape a correction has changed, and for states with a closed grasp that holds none of the
-    planner's nodes. The state in a capture's frame (InitialState.CaptureFrame) is that of the exact twin.
+    the nearest of the planner's nodes; those of `order` and `winding` too, in their order and without
+    repetitions, and refused if only one remains: name `skin_points` where that is too coarse. Costs over all
+    nodes and gradients with respect to initial states are over the planner's nodes. Keypoints at nodes cannot
+    be combined with a target cloud or a coverage of the skin, nor used where the twin's skin touches ground
+    and colliders. Refused with FAILED_PRECONDITION, reason PLANNERS_TWIN_UNKNOWN, if the twin has none; with
+    INVALID_ARGUMENT, reason INVALID_ROLLOUT, for states whose rest shape a correction has changed, and for
+    states with a closed grasp that holds none of the planner's nodes. The state in a capture's frame
+    (InitialState.CaptureFrame) is that of the exact twin.
     """
 
 class Fidelity(_Fidelity, metaclass=_FidelityEnumTypeWrapper):
@@ -66,12 +68,14 @@ PLANNER: Fidelity.ValueType  # 3
 from the exact twin. Requests and replies use the numbers of the exact twin's nodes and skin points. Given
 states keep only the nodes that the planner's twin has. Returned nodes are carried by the planner's nodes,
 and keypoints at nodes are measured on these. Nodes of grasps and of `height` and `within` are replaced by
-the nearest of the planner's nodes. Costs over all nodes and gradients with respect to initial states are
-over the planner's nodes. Keypoints at nodes cannot be combined with a target cloud of the skin, nor used
-where the twin's skin touches ground and colliders. Refused with FAILED_PRECONDITION, reason
-PLANNERS_TWIN_UNKNOWN, if the twin has none; with INVALID_ARGUMENT, reason INVALID_ROLLOUT, for states
-whose rest shape a correction has changed, and for states with a closed grasp that holds none of the
-planner's nodes. The state in a capture's frame (InitialState.CaptureFrame) is that of the exact twin.
+the nearest of the planner's nodes; those of `order` and `winding` too, in their order and without
+repetitions, and refused if only one remains: name `skin_points` where that is too coarse. Costs over all
+nodes and gradients with respect to initial states are over the planner's nodes. Keypoints at nodes cannot
+be combined with a target cloud or a coverage of the skin, nor used where the twin's skin touches ground
+and colliders. Refused with FAILED_PRECONDITION, reason PLANNERS_TWIN_UNKNOWN, if the twin has none; with
+INVALID_ARGUMENT, reason INVALID_ROLLOUT, for states whose rest shape a correction has changed, and for
+states with a closed grasp that holds none of the planner's nodes. The state in a capture's frame
+(InitialState.CaptureFrame) is that of the exact twin.
 """
 Global___Fidelity: _TypeAlias = Fidelity  # noqa: Y015
 
@@ -966,8 +970,8 @@ class Cost(_message.Message):
 
     @_typing.final
     class Order(_message.Message):
-        """Order of nodes along a direction: mean over neighbours in the list of max(0, gap - direction . (x(next) -
-        x))^2, square metres. 0 if each node is at least `gap_m` ahead of the one before it.
+        """Order of nodes or skin points along a direction: mean over neighbours in the list of max(0, gap - direction
+        . (x(next) - x))^2, square metres. 0 if each point is at least `gap_m` ahead of the one before it.
         """
 
         DESCRIPTOR: _descriptor.Descriptor
@@ -975,15 +979,20 @@ class Cost(_message.Message):
         NODES_FIELD_NUMBER: _builtins.int
         DIRECTION_FIELD_NUMBER: _builtins.int
         GAP_M_FIELD_NUMBER: _builtins.int
+        SKIN_POINTS_FIELD_NUMBER: _builtins.int
         gap_m: _builtins.float
         """At least 0."""
         @_builtins.property
         def nodes(self) -> _tensor_pb2.Tensor:
-            """UINT32 [M], M >= 2."""
+            """UINT32 [M], M >= 2: nodes. Give either these or `skin_points`."""
 
         @_builtins.property
         def direction(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
             """Unit vector, three numbers."""
+
+        @_builtins.property
+        def skin_points(self) -> _tensor_pb2.Tensor:
+            """UINT32 [M], M >= 2: points of the skin."""
 
         def __init__(
             self,
@@ -991,18 +1000,21 @@ class Cost(_message.Message):
             nodes: _tensor_pb2.Tensor | None = ...,
             direction: _abc.Iterable[_builtins.float] | None = ...,
             gap_m: _builtins.float = ...,
+            skin_points: _tensor_pb2.Tensor | None = ...,
         ) -> None: ...
-        _HasFieldArgType: _TypeAlias = _typing.Literal["nodes", b"nodes"]  # noqa: Y015
+        _HasFieldArgType: _TypeAlias = _typing.Literal["nodes", b"nodes", "skin_points", b"skin_points"]  # noqa: Y015
         def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-        _ClearFieldArgType: _TypeAlias = _typing.Literal["direction", b"direction", "gap_m", b"gap_m", "nodes", b"nodes"]  # noqa: Y015
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["direction", b"direction", "gap_m", b"gap_m", "nodes", b"nodes", "skin_points", b"skin_points"]  # noqa: Y015
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
         def WhichOneof(self, oneof_group: _Never) -> None: ...
 
     @_typing.final
     class Winding(_message.Message):
-        """Winding of a chain of nodes around a straight line: (turns - wanted turns)^2. The turns are the sum of the
-        angles between neighbours in the list as seen along the line, over 2 pi; positive is counter-clockwise seen
-        against its direction. The gradient is that of the angles; it jumps where the chain crosses the line.
+        """Winding of a chain of nodes or skin points around a straight line: (turns - wanted turns)^2. The turns are
+        the sum of the angles between neighbours in the list, each within half a turn, over 2 pi; positive is
+        counter-clockwise seen against the direction of the line. Angles at a point within 1 micrometre of the line
+        count as 0. The gradient turns the first and the last point around the line; it has no jumps where the
+        chain crosses the line.
         """
 
         DESCRIPTOR: _descriptor.Descriptor
@@ -1035,16 +1047,21 @@ class Cost(_message.Message):
         AXIS_FIELD_NUMBER: _builtins.int
         COLLIDER_FIELD_NUMBER: _builtins.int
         TURNS_FIELD_NUMBER: _builtins.int
+        SKIN_POINTS_FIELD_NUMBER: _builtins.int
         collider: _builtins.int
-        """Index of a static collider of the request that is a capsule: its axis."""
+        """Index of a fixed collider of the request that is a capsule: its axis, from its first end to its second."""
         turns: _builtins.float
         """Wanted turns, -100..100."""
         @_builtins.property
         def nodes(self) -> _tensor_pb2.Tensor:
-            """UINT32 [M], M >= 2."""
+            """UINT32 [M], M >= 2: nodes. Give either these or `skin_points`."""
 
         @_builtins.property
         def axis(self) -> Global___Cost.Winding.Axis: ...
+        @_builtins.property
+        def skin_points(self) -> _tensor_pb2.Tensor:
+            """UINT32 [M], M >= 2: points of the skin."""
+
         def __init__(
             self,
             *,
@@ -1052,10 +1069,11 @@ class Cost(_message.Message):
             axis: Global___Cost.Winding.Axis | None = ...,
             collider: _builtins.int = ...,
             turns: _builtins.float = ...,
+            skin_points: _tensor_pb2.Tensor | None = ...,
         ) -> None: ...
-        _HasFieldArgType: _TypeAlias = _typing.Literal["around", b"around", "axis", b"axis", "collider", b"collider", "nodes", b"nodes"]  # noqa: Y015
+        _HasFieldArgType: _TypeAlias = _typing.Literal["around", b"around", "axis", b"axis", "collider", b"collider", "nodes", b"nodes", "skin_points", b"skin_points"]  # noqa: Y015
         def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-        _ClearFieldArgType: _TypeAlias = _typing.Literal["around", b"around", "axis", b"axis", "collider", b"collider", "nodes", b"nodes", "turns", b"turns"]  # noqa: Y015
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["around", b"around", "axis", b"axis", "collider", b"collider", "nodes", b"nodes", "skin_points", b"skin_points", "turns", b"turns"]  # noqa: Y015
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
         _WhichOneofReturnType_around: _TypeAlias = _typing.Literal["axis", "collider"]  # noqa: Y015
         _WhichOneofArgType_around: _TypeAlias = _typing.Literal["around", b"around"]  # noqa: Y015
@@ -1063,8 +1081,9 @@ class Cost(_message.Message):
 
     @_typing.final
     class Coverage(_message.Message):
-        """Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)) with the distance d to the
-        nearest point of the twin's surface.
+        """Uncovered share of points, 0..1: mean over the points of 1 - exp(-d^2 / (2 reach^2)), with the distance d
+        to the nearest point of the twin's surface. The gradient takes the nearest point as fixed and fades where d
+        is several times the reach.
         """
 
         DESCRIPTOR: _descriptor.Descriptor
@@ -1073,7 +1092,7 @@ class Cost(_message.Message):
         REACH_M_FIELD_NUMBER: _builtins.int
         POINT_SET_FIELD_NUMBER: _builtins.int
         reach_m: _builtins.float
-        """Above 0; about half the spacing of the surface's points."""
+        """1e-6..1000 metres; about half the spacing of the surface's points, or more for a gradient from afar."""
         point_set: Global___PointSet.ValueType
         """Points of the surface: SKIN, the default, or NODES for the surface nodes."""
         @_builtins.property
@@ -1114,7 +1133,7 @@ class Cost(_message.Message):
     name: _builtins.str
     """Name in replies; default `cost{index}`. Names must differ; at most 128 bytes each."""
     weight: _builtins.float
-    """Default: 1. With 0 the cost is switched off and reported as 0."""
+    """Default: 1. With 0 the cost is switched off and reported as 0; its condition of success still counts."""
     when: Global___Cost.When.ValueType
     """Frames at which the cost is counted; default: after the last frame."""
     temperature: _builtins.float
@@ -1122,9 +1141,10 @@ class Cost(_message.Message):
     unit of the cost.
     """
     success_at_most: _builtins.float
-    """Condition of success: the value of the cost after the last frame, without its weight and regardless of
-    `when`, is at most this. An instance succeeds if it meets the conditions of all costs that have one
-    (RollOutResponse.successes). Not for costs of forces, of smoothness, or of control points. A condition has no gradient.
+    """Condition of success, at least 0: the value of the cost after the last frame, without its weight and
+    regardless of `when`, is at most this. Costs and gradients do not depend on it. An instance succeeds if it
+    meets all conditions (RollOutResponse.successes). Not for `force`, `smoothness`, `control_path` and
+    `control_speed`.
     """
     @_builtins.property
     def target_cloud(self) -> Global___Cost.TargetCloud: ...
@@ -1721,8 +1741,9 @@ class RollOutResponse(_message.Message):
 
     @_builtins.property
     def successes(self) -> _tensor_pb2.Tensor:
-        """Present if a cost has a condition of success: 1 for an instance that meets all conditions, otherwise 0, also
-        where it diverged; with an ensemble the share of members. FLOAT32 [B'].
+        """Present if a cost has a condition of success: 1 for an instance that meets all conditions, and otherwise 0,
+        also where it diverged or is unfinished. With an ensemble, the share of members that meet them; with
+        MEAN_PREDICTION that of the mean motion. FLOAT32 [B'].
         """
 
     def __init__(

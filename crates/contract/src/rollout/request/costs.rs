@@ -1,14 +1,16 @@
 //! Costs: names, weights, times and what they measure, and what it takes to measure it.
 
+mod lists;
 mod targets;
 
-use std::collections::HashSet;
+use std::{collections::HashSet, ops::RangeInclusive};
 
 use bendtwin_proto::v1::{
     Cost, PointSet, RollOutRequest, Tensor,
     cost::{
-        Keypoints, Kind, When,
+        Kind, When,
         force::{self, By},
+        winding::Around,
     },
 };
 
@@ -17,7 +19,7 @@ use super::{
     Asked, Batch, Error, Limits, Message, Price, TwinShape,
     gradients::has_gradients,
     mul,
-    numbers::least,
+    numbers::{least, within_range},
     returns::has_skin,
     sum,
     tensors::{given, index_list, known_nodes, known_skin_points},
@@ -46,6 +48,9 @@ const NODE_WORK: u128 = 2;
 const SKIN_WORK: u128 = 8;
 /// Work of the distance between a node and a collider.
 const COLLIDER_WORK: u128 = 32;
+
+/// Least and greatest reach of a coverage [m].
+const REACHES_M: RangeInclusive<f32> = 1e-6..=1000.0;
 
 /// Checks costs, given the numbers of colliders and grasps.
 pub(in crate::rollout) fn check(
@@ -88,7 +93,8 @@ pub(in crate::rollout) fn check(
             );
             return Err(Error::field(field("temperature"), fault));
         }
-        kind(cost, when, parts, batch, field)?;
+        kind(cost, when, request, parts, batch, &field)?;
+        condition(cost, &field)?;
     }
     within(
         "the number of target points over all instances and frames of all costs",
@@ -100,22 +106,24 @@ pub(in crate::rollout) fn check(
 
 pub(in crate::rollout) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
     for (i, cost) in costs.iter().enumerate() {
-        let (nodes, field) = match &cost.kind {
+        let (nodes, skin_points, kind) = match &cost.kind {
             Some(Kind::TargetCloud(cloud)) => {
-                if measured(cloud) == PointSet::Skin {
+                if measured(cloud.point_set()) == PointSet::Skin {
                     has_skin(twin, &format!("costs[{i}].target_cloud.point_set"))?;
                 }
                 continue;
             }
-            Some(Kind::Keypoints(k)) => {
-                if let Some(points) = given(k.skin_points.as_ref()) {
-                    let field = format!("costs[{i}].keypoints.skin_points");
-                    known_skin_points(points, &field, twin.skin_points)?;
+            Some(Kind::Coverage(coverage)) => {
+                if measured(coverage.point_set()) == PointSet::Skin {
+                    has_skin(twin, &format!("costs[{i}].coverage.point_set"))?;
                 }
-                (given(k.nodes.as_ref()), "keypoints.nodes")
+                continue;
             }
-            Some(Kind::Height(h)) => (given(h.nodes.as_ref()), "height.nodes"),
-            Some(Kind::Within(w)) => (given(w.nodes.as_ref()), "within.nodes"),
+            Some(Kind::Keypoints(k)) => (&k.nodes, &k.skin_points, "keypoints"),
+            Some(Kind::Order(o)) => (&o.nodes, &o.skin_points, "order"),
+            Some(Kind::Winding(w)) => (&w.nodes, &w.skin_points, "winding"),
+            Some(Kind::Height(h)) => (&h.nodes, &None, "height"),
+            Some(Kind::Within(w)) => (&w.nodes, &None, "within"),
             Some(Kind::Force(f)) => {
                 if let Some(By::Control(control)) = f.by
                     && u64::from(control) >= twin.controls
@@ -130,8 +138,12 @@ pub(in crate::rollout) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<
             }
             Some(_) | None => continue,
         };
-        if let Some(nodes) = nodes {
-            known_nodes(nodes, &format!("costs[{i}].{field}"), twin.nodes)?;
+        if let Some(points) = given(skin_points.as_ref()) {
+            let field = format!("costs[{i}].{kind}.skin_points");
+            known_skin_points(points, &field, twin.skin_points)?;
+        }
+        if let Some(nodes) = given(nodes.as_ref()) {
+            known_nodes(nodes, &format!("costs[{i}].{kind}.nodes"), twin.nodes)?;
         }
     }
     Ok(())
@@ -146,7 +158,10 @@ pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
     let soft_min = costs.iter().any(|cost| cost.when() == When::SoftMin);
     // A soft minimum weighs frames differently in each instance's gradient.
     let own = narrow(own_targets(costs, batch, soft_min && has_gradients(&asked.returns)));
-    let frame_costs = mul(&[FRAME_COST, asked.boundaries, count]);
+    let conditions = costs.iter().filter(|cost| cost.success_at_most.is_some()).count() as u64;
+    let frame_costs = mul(&[FRAME_COST, asked.boundaries, count + conditions]);
+    // What is differentiated has no conditions, so its terms are others.
+    let objectives = if conditions > 0 && has_gradients(&asked.returns) { 2 } else { 1 };
     let names = costs.iter().map(|cost| cost.name.len() as u64 + NAME).sum::<u64>();
     let mut reply = Message::default();
     for (i, cost) in costs.iter().enumerate() {
@@ -155,17 +170,20 @@ pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
     }
     reply.tensor(1, 8, &[asked.covered]);
     reply.tensor(1, 8, &[asked.covered, count]);
+    if conditions > 0 {
+        reply.tensor(2, 4, &[asked.covered]);
+    }
     Price {
         work: work(costs, batch, twin),
         reply,
         fixed: sum(&[
-            mul(&[TARGET, targets]),
+            mul(&[TARGET, targets, objectives]),
             // Costs by instance, of all parts where the best are chosen.
             mul(&[instances, 16]),
             // Of all instances of a part, until its gradients are there.
             if soft_min { mul(&[instances, asked.members, frame_costs]) } else { 0 },
         ]),
-        prepared: sum(&[mul(&[2, names]), mul(&[TARGET, own]), frame_costs]),
+        prepared: sum(&[mul(&[2, names]), mul(&[TARGET, own, objectives]), frame_costs]),
         running: sum(&[
             // Terms in the order of their frames.
             targets,
@@ -201,7 +219,7 @@ fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
             _ => listed,
         }
     };
-    costs.iter().map(|cost| each(cost).saturating_mul(frames(cost, batch))).sum()
+    costs.iter().map(|cost| each(cost).saturating_mul(evaluations(cost, batch))).sum()
 }
 
 /// Target points over all instances and frames of all costs, with the overhead of each.
@@ -218,19 +236,20 @@ pub(in crate::rollout) fn own_targets(costs: &[Cost], batch: &Batch, all: bool) 
 
 /// Target points over all frames of a cost for one instance, with the overhead.
 fn one_list(cost: &Cost, batch: &Batch) -> u128 {
-    (points(cost) + OVERHEAD).saturating_mul(frames(cost, batch))
+    (points(cost) + OVERHEAD).saturating_mul(evaluations(cost, batch))
 }
 
 fn kind(
     cost: &Cost,
     when: When,
+    request: &RollOutRequest,
     [colliders, grasps]: [usize; 2],
     batch: &Batch,
-    field: impl Fn(&str) -> String,
+    field: &impl Fn(&str) -> String,
 ) -> Result<(), Error> {
     match &cost.kind {
         None => {
-            let fault = "is missing: give target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path or control_speed";
+            let fault = "is missing: give target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path, control_speed, order, winding or coverage";
             Err(Error::field(field("kind"), fault))
         }
         Some(Kind::TargetCloud(cloud)) => {
@@ -239,7 +258,8 @@ fn kind(
             targets::check(cloud.points.as_ref(), &points, when, batch).map(drop)
         }
         Some(Kind::Keypoints(keypoints)) => {
-            let (points, what) = named(keypoints, &field)?;
+            let (nodes, skin_points) = (&keypoints.nodes, &keypoints.skin_points);
+            let (points, what) = named(nodes.as_ref(), skin_points.as_ref(), "keypoints", field)?;
             let targets = field("keypoints.targets");
             let count = targets::check(keypoints.targets.as_ref(), &targets, when, batch)?;
             if points.shape != [count] {
@@ -271,34 +291,66 @@ fn kind(
             amount(speed.limit_m_s, &field("control_speed.limit_m_s"))
         }
         Some(Kind::Smoothness(_) | Kind::ControlPath(_)) => Ok(()),
-        Some(Kind::Order(_) | Kind::Winding(_) | Kind::Coverage(_)) => {
-            Err(Error::field(field("kind"), "PLACEHOLDER"))
+        Some(Kind::Order(order)) => lists::order(order, field),
+        Some(Kind::Winding(winding)) => {
+            if let Some(Around::Collider(collider)) = winding.around {
+                known(collider, colliders, "collider", &field("winding.collider"))?;
+            }
+            lists::winding(winding, request.world.as_ref(), field)
+        }
+        Some(Kind::Coverage(coverage)) => {
+            point_set(coverage.point_set, &field("coverage.point_set"))?;
+            targets::check_fixed(coverage.points.as_ref(), &field("coverage.points"))?;
+            within_range(Some(coverage.reach_m), &field("coverage.reach_m"), REACHES_M)
         }
     }
 }
 
-/// The points that keypoints name, and of what they are.
-fn named<'k>(
-    keypoints: &'k Keypoints,
+/// The points that a cost of this kind names, and of what they are.
+fn named<'t>(
+    nodes: Option<&'t Tensor>,
+    skin_points: Option<&'t Tensor>,
+    kind: &str,
     field: &impl Fn(&str) -> String,
-) -> Result<(&'k Tensor, &'static str), Error> {
-    let (nodes, skin_points) = (field("keypoints.nodes"), field("keypoints.skin_points"));
-    let of_skin = given(keypoints.skin_points.as_ref());
-    match (given(keypoints.nodes.as_ref()), of_skin) {
+) -> Result<(&'t Tensor, &'static str), Error> {
+    let field = |set: &str| field(&format!("{kind}.{set}"));
+    match (given(nodes), given(skin_points)) {
         (Some(_), Some(_)) => {
             let fault = "are given beside `nodes`: make two costs of them";
-            Err(Error::field(skin_points, fault))
+            Err(Error::field(field("skin_points"), fault))
         }
-        (None, Some(points)) => Ok((index_list(Some(points), &skin_points)?, "skin points")),
-        (given, None) => Ok((index_list(given, &nodes)?, "nodes")),
+        (None, Some(points)) => {
+            Ok((index_list(Some(points), &field("skin_points"))?, "skin points"))
+        }
+        (given, None) => Ok((index_list(given, &field("nodes"))?, "nodes")),
     }
+}
+
+/// The condition of success of a cost.
+fn condition(cost: &Cost, field: &impl Fn(&str) -> String) -> Result<(), Error> {
+    let Some(most) = cost.success_at_most else { return Ok(()) };
+    let field = field("success_at_most");
+    let measures = match &cost.kind {
+        Some(Kind::Force(_)) => "forces over a frame",
+        Some(Kind::Smoothness(_)) => "how positions change",
+        Some(Kind::ControlPath(_) | Kind::ControlSpeed(_)) => "the motion of control points",
+        _ if most.is_finite() && most >= 0.0 => return Ok(()),
+        _ => {
+            let fault = format!("is {most}: it must be finite and not negative, as the cost is");
+            return Err(Error::field(field, fault));
+        }
+    };
+    let fault = format!(
+        "is not for this cost, which measures {measures}: give conditions of the state after the last frame, such as keypoints, within or coverage"
+    );
+    Err(Error::field(field, fault))
 }
 
 fn force(
     force: &bendtwin_proto::v1::cost::Force,
     grasps: usize,
     colliders: usize,
-    field: impl Fn(&str) -> String,
+    field: &impl Fn(&str) -> String,
 ) -> Result<(), Error> {
     match force.by {
         None => {
@@ -341,13 +393,15 @@ fn some_nodes(nodes: Option<&Tensor>, field: &str) -> Result<(), Error> {
     }
 }
 
-/// Number of frames in which a cost counts.
-fn frames(cost: &Cost, batch: &Batch) -> u128 {
-    match (&cost.kind, cost.when()) {
+/// Number of times that a cost is measured: in the frames in which it counts, and for its condition of
+/// success.
+fn evaluations(cost: &Cost, batch: &Batch) -> u128 {
+    let frames = match (&cost.kind, cost.when()) {
         (Some(Kind::ControlPath(_) | Kind::ControlSpeed(_)), _)
         | (_, When::EveryFrame | When::SoftMin) => u128::from(batch.frames),
         _ => 1,
-    }
+    };
+    frames + u128::from(cost.success_at_most.is_some())
 }
 
 #[cfg(test)]

@@ -7,6 +7,9 @@ use super::Error;
 /// Shortest quaternion that has a direction, by its largest component.
 pub(crate) const SHORTEST_QUATERNION: f32 = 1e-6;
 
+/// Largest deviation of a unit vector's length from 1.
+const UNIT_TOLERANCE: f32 = 1e-3;
+
 /// Three finite numbers, none larger than `most`.
 pub(super) fn vector(values: &[f32], field: &str, most: f32) -> Result<[f32; 3], Error> {
     let Ok(three) = <[f32; 3]>::try_from(values) else {
@@ -19,6 +22,17 @@ pub(super) fn vector(values: &[f32], field: &str, most: f32) -> Result<[f32; 3],
         }
         None => Ok(three),
     }
+}
+
+/// Three numbers of length about one.
+pub(super) fn unit(values: &[f32], field: &str) -> Result<[f32; 3], Error> {
+    let direction = vector(values, field, 2.0)?;
+    let length = direction.iter().map(|x| x * x).sum::<f32>().sqrt();
+    if (length - 1.0).abs() > UNIT_TOLERANCE {
+        let fault = format!("has length {length}: divide it by that");
+        return Err(Error::field(field, fault));
+    }
+    Ok(direction)
 }
 
 /// Refuses a given number that lies outside a range, or is NaN.

@@ -12,7 +12,7 @@ use bendtwin_proto::v1::{
 
 use super::{
     Asked, Error, Grippers, Limits, Moves, Price, mul,
-    numbers::{angle_free, least, vector, within_range},
+    numbers::{angle_free, least, unit, vector, within_range},
     sum,
     tensors::{finite, floats, given, required},
     vary::set_bytes,
@@ -27,9 +27,7 @@ const FACES: u64 = 16 * 32 * 128;
 /// Fewest and most points of a convex mesh.
 const MESH_POINTS: std::ops::RangeInclusive<u64> = 4..=4096;
 /// Farthest that anything is from where it belongs [m].
-const FARTHEST_M: f32 = 1000.0;
-/// Largest deviation of a normal's length from 1.
-const NORMAL_TOLERANCE: f32 = 1e-3;
+pub(super) const FARTHEST_M: f32 = 1000.0;
 
 pub(in crate::rollout) fn check(
     world: Option<&World>,
@@ -76,14 +74,8 @@ pub(in crate::rollout) fn parts(field: &str, count: usize) -> Result<(), Error> 
 
 /// A plane; its normal may be absent.
 pub(super) fn plane(plane: &Plane, field: &str) -> Result<(), Error> {
-    let normal = format!("{field}.normal");
     if !plane.normal.is_empty() {
-        let n = vector(&plane.normal, &normal, 2.0)?;
-        let length = n.iter().map(|x| x * x).sum::<f32>().sqrt();
-        if (length - 1.0).abs() > NORMAL_TOLERANCE {
-            let fault = format!("has length {length}: divide it by that");
-            return Err(Error::field(normal, fault));
-        }
+        unit(&plane.normal, &format!("{field}.normal"))?;
     }
     let range = -FARTHEST_M..=FARTHEST_M;
     within_range(Some(plane.offset_m), &format!("{field}.offset_m"), range)

@@ -68,6 +68,20 @@ fn instance(backend: &dyn Backend) -> Instance {
         Term::Above { nodes: None, normal: [0.0, 0.0, 1.0], offset_m: 0.15 },
         Term::Within { nodes: None, low: [0.0; 3], high: [0.1, 0.2, 0.18] },
         Term::Clearance { collider: 0, margin_m: 0.15 },
+        Term::Order {
+            of: PointSet::Nodes,
+            points: Arc::new(vec![0, 2, 4]),
+            direction: [0.6, 0.0, 0.8],
+            gap_m: 0.1,
+        },
+        Term::Winding {
+            of: PointSet::Nodes,
+            points: Arc::new(vec![0, 1, 3, 5]),
+            origin: [0.1, 0.05, 0.0],
+            direction: [0.0, 0.0, 1.0],
+            turns: 1.0,
+        },
+        Term::Coverage { of: PointSet::Skin, targets: Arc::new(targets.clone()), reach_m: 0.1 },
     ];
     let terms = (1..=FRAMES).flat_map(|frame| {
         let weighted = |(group, term): (usize, &Term)| WeightedTerm {

@@ -21,7 +21,8 @@ impl<'a, T: Real> Points<'a, T> {
         Self { moment, skin: OnceCell::new() }
     }
 
-    fn all(&self, of: PointSet) -> &[Node<T>] {
+    /// All points of a set.
+    pub(super) fn all(&self, of: PointSet) -> &[Node<T>] {
         match of {
             PointSet::Nodes => self.moment.now,
             PointSet::Skin => self.skin.get_or_init(|| {
@@ -51,16 +52,23 @@ impl<'a, T: Real> Points<'a, T> {
         }
     }
 
-    /// Mean squared distance of targets to the nearest point of the surface.
-    pub(super) fn chamfer(&self, of: PointSet, targets: &[Point]) -> f64 {
+    /// The nearest point of the surface for each target, and the way to it from there [m]; none
+    /// without a surface.
+    pub(super) fn to_nearest(
+        &self,
+        of: PointSet,
+        targets: &[Point],
+    ) -> impl ExactSizeIterator<Item = (u32, Quad<T>)> {
         let surface = self.surface(of);
         let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
         let found = nearest(surface, &targets);
-        let square = |(&t, i): (&Quad<T>, u32)| {
-            let d = sub(surface[i as usize].x, t);
-            dot(d, d).to_f64()
-        };
-        targets.iter().zip(found).map(square).sum::<f64>() * mean_over(targets.len())
+        targets.into_iter().zip(found).map(move |(t, i)| (i, sub(surface[i as usize].x, t)))
+    }
+
+    /// Mean squared distance of targets to the nearest point of the surface.
+    pub(super) fn chamfer(&self, of: PointSet, targets: &[Point]) -> f64 {
+        let squares = self.to_nearest(of, targets).map(|(_, d)| dot(d, d).to_f64());
+        squares.sum::<f64>() * mean_over(targets.len())
     }
 
     /// Mean loss of points and their targets.
@@ -91,12 +99,8 @@ impl<'a, T: Real> Points<'a, T> {
         weight: f64,
         bar: &mut [Node<T>],
     ) {
-        let surface = self.surface(of);
-        let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-        let found = nearest(surface, &targets);
         let w = T::from_f64(2.0 * weight * mean_over(targets.len()));
-        let of_target =
-            targets.iter().zip(found).map(|(&t, i)| (i, scale(sub(surface[i as usize].x, t), w)));
+        let of_target = self.to_nearest(of, targets).map(|(i, d)| (i, scale(d, w)));
         self.add_point_bars(of, of_target, bar);
     }
 
@@ -119,7 +123,7 @@ impl<'a, T: Real> Points<'a, T> {
     }
 
     /// Adds d loss / d positions of points to those of nodes.
-    fn add_point_bars(
+    pub(super) fn add_point_bars(
         &self,
         of: PointSet,
         point_bars: impl Iterator<Item = (u32, Quad<T>)>,

@@ -7,11 +7,15 @@ use bendtwin_core::Point;
 use bendtwin_engine::{PointLoss, PointSet, Term, objective::ForceBy};
 use bendtwin_proto::v1::{
     self, Plane, Tensor,
-    cost::{Kind, force::By},
+    cost::{
+        Kind,
+        force::By,
+        winding::{Around, Axis},
+    },
 };
 
-use super::controls::Motion;
-use crate::error::Error;
+use super::{Context, controls::Motion};
+use crate::{error::Error, world::unit};
 
 /// Quantity that a cost measures.
 #[derive(Debug)]
@@ -67,33 +71,24 @@ impl Targets {
 }
 
 impl Measure {
-    /// Reads a kind of cost of a checked request, given the newtons of a force of 1 at unit node
-    /// mass. Also returns the factor from the engine's value to the cost's.
+    /// Reads a kind of cost of a checked request. Also returns the factor from the engine's value to the
+    /// cost's.
     pub(super) fn read(
         kind: Option<Kind>,
-        newtons: f64,
+        context: &Context<'_>,
         field: &impl Fn(&str) -> String,
     ) -> Result<(Self, f64), Error> {
         let fixed = |term| Ok((Self::Fixed(term), 1.0));
         match kind {
             None => Err(Error::field(field("kind"), "is missing")),
             Some(Kind::TargetCloud(cloud)) => {
-                let of = match rollout::measured(&cloud) {
-                    v1::PointSet::Nodes => PointSet::Nodes,
-                    v1::PointSet::Skin | v1::PointSet::Unspecified => PointSet::Skin,
-                };
+                let of = surface(cloud.point_set());
                 let targets = Targets::read(cloud.points, &field("target_cloud.points"))?;
                 Ok((Self::Cloud { of, targets }, 1.0))
             }
             Some(Kind::Keypoints(keypoints)) => {
-                let of_skin = keypoints.skin_points.filter(|t| !t.is_absent());
-                let (of, points, name) = match of_skin {
-                    Some(points) => (PointSet::Skin, points, "keypoints.skin_points"),
-                    None => {
-                        (PointSet::Nodes, keypoints.nodes.unwrap_or_default(), "keypoints.nodes")
-                    }
-                };
-                let (_, points) = points.unpack(&field(name))?;
+                let (nodes, skin_points) = (keypoints.nodes, keypoints.skin_points);
+                let (of, points) = list(nodes, skin_points, &field("keypoints"))?;
                 let targets = Targets::read(keypoints.targets, &field("keypoints.targets"))?;
                 let squared = keypoints.squared;
                 let loss = if squared { PointLoss::SquaredDistance } else { PointLoss::Distance };
@@ -110,6 +105,7 @@ impl Measure {
                     Some(By::Ground(_)) => ForceBy::Ground,
                     Some(By::Collider(collider)) => ForceBy::Collider(collider),
                 };
+                let newtons = context.newtons;
                 let term = Term::Force { by, limit: (force.limit_n / newtons) as f32 };
                 Ok((Self::Fixed(term), newtons * newtons))
             }
@@ -132,8 +128,31 @@ impl Measure {
             Some(Kind::ControlSpeed(speed)) => {
                 Ok((Self::Controls(Motion::Speed { limit_m_s: speed.limit_m_s }), 1.0))
             }
-            Some(Kind::Order(_) | Kind::Winding(_) | Kind::Coverage(_)) => {
-                Err(Error::field(field("kind"), "PLACEHOLDER"))
+            Some(Kind::Order(order)) => {
+                let (of, points) = list(order.nodes, order.skin_points, &field("order"))?;
+                let (points, direction) = (Arc::new(points), unit(three(&order.direction)));
+                fixed(Term::Order { of, points, direction, gap_m: order.gap_m })
+            }
+            Some(Kind::Winding(winding)) => {
+                let (of, points) = list(winding.nodes, winding.skin_points, &field("winding"))?;
+                let [origin, direction] = match winding.around {
+                    Some(Around::Axis(Axis { point, direction })) => {
+                        [three(&point), unit(three(&direction))]
+                    }
+                    Some(Around::Collider(collider)) => {
+                        let axis = context.surroundings.axis(collider as usize);
+                        axis.ok_or_else(|| Error::field(field("winding.collider"), "has no axis"))?
+                    }
+                    None => return Err(Error::field(field("winding.around"), "is missing")),
+                };
+                let (points, turns) = (Arc::new(points), winding.turns);
+                fixed(Term::Winding { of, points, origin, direction, turns })
+            }
+            Some(Kind::Coverage(coverage)) => {
+                let (of, reach_m) = (surface(coverage.point_set()), coverage.reach_m);
+                let points = coverage.points.unwrap_or_default();
+                let (_, targets) = points.unpack_points(&field("coverage.points"))?;
+                fixed(Term::Coverage { of, targets: Arc::new(targets), reach_m })
             }
         }
     }
@@ -162,6 +181,28 @@ impl Measure {
             Self::Controls(_) => None,
         }
     }
+}
+
+/// Points of the surface whose distance to target points is measured.
+fn surface(asked: v1::PointSet) -> PointSet {
+    match rollout::measured(asked) {
+        v1::PointSet::Nodes => PointSet::Nodes,
+        v1::PointSet::Skin | v1::PointSet::Unspecified => PointSet::Skin,
+    }
+}
+
+/// The points that a cost names: nodes or points of the skin.
+fn list(
+    nodes: Option<Tensor>,
+    skin_points: Option<Tensor>,
+    kind: &str,
+) -> Result<(PointSet, Vec<u32>), Error> {
+    let (of, points, set) = match skin_points.filter(|t| !t.is_absent()) {
+        Some(points) => (PointSet::Skin, points, "skin_points"),
+        None => (PointSet::Nodes, nodes.unwrap_or_default(), "nodes"),
+    };
+    let (_, points) = points.unpack(&format!("{kind}.{set}"))?;
+    Ok((of, points))
 }
 
 fn some_nodes(nodes: Option<Tensor>, field: &str) -> Result<Option<Arc<Vec<u32>>>, Error> {

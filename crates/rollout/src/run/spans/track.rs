@@ -35,7 +35,7 @@ impl Track {
         let (whole, stops) = plan.stopped_instance(index, starts);
         let stopped = stops.most();
         let extremes = plan.extremes(index, (&whole, stopped), starts, None);
-        let groups = plan.costs.names.len();
+        let groups = plan.costs.groups();
         let mut so_far = Rollout {
             frame_costs: vec![0.0; (plan.frames + 1) * groups],
             group_costs: vec![0.0; groups],

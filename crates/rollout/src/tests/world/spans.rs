@@ -88,7 +88,7 @@ fn eventful() -> RollOutRequest {
     request.world = Some(World { colliders: vec![collider], ..World::default() });
     let force = Force { by: Some(force::By::Ground(force::All {})), ..Force::default() };
     request.costs = vec![
-        cost("end", keypoints(), When::LastFrame),
+        Cost { success_at_most: Some(0.05), ..cost("end", keypoints(), When::LastFrame) },
         cost("smooth", Kind::Smoothness(Smoothness {}), When::EveryFrame),
         Cost { temperature: 0.01, ..cost("near", keypoints(), When::SoftMin) },
         cost("path", Kind::ControlPath(ControlPath {}), When::LastFrame),

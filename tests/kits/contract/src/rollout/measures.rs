@@ -3,7 +3,9 @@
 use bendtwin_proto::v1::{
     Cost, Cuboid, Plane, Tensor,
     cost::{
-        Clearance, ControlSpeed, Force, Height, Keypoints, Kind, Strain, When, Within, force::By,
+        Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Smoothness, Strain,
+        When, Within,
+        force::{All, By},
     },
 };
 
@@ -13,6 +15,7 @@ use super::{Named, cloud, cost, keypoints, with, zeros};
 pub(super) fn costs(n: u64, c: u64) -> Named<Vec<Cost>> {
     const POINTS: &str = "`costs[0].target_cloud.points`";
     const TARGETS: &str = "`costs[0].keypoints.targets`";
+    const SUCCESS: &str = "`costs[0].success_at_most`";
     let of = |kind| vec![cost(Some(kind))];
     let timed = |when: When, kind| vec![Cost { when: when.into(), ..cost(kind) }];
     let strain = |limit| of(Kind::Strain(Strain { limit }));
@@ -26,6 +29,7 @@ pub(super) fn costs(n: u64, c: u64) -> Named<Vec<Cost>> {
         of(Kind::Within(Within { cuboid, nodes }))
     };
     let clearance = |collider, margin_m| of(Kind::Clearance(Clearance { collider, margin_m }));
+    let condition = |kind, most| vec![Cost { success_at_most: Some(most), ..cost(Some(kind)) }];
     let speed = |limit_m_s| of(Kind::ControlSpeed(ControlSpeed { limit_m_s }));
     let nodes = |node: u32| Some(Tensor::pack(&[1], &[node]));
     let moving = |targets: Tensor| {
@@ -101,6 +105,24 @@ pub(super) fn costs(n: u64, c: u64) -> Named<Vec<Cost>> {
             clearance(0, 0.1),
         ),
         ("a negative limit of speed", "`costs[0].control_speed.limit_m_s`", speed(-1.0)),
+        ("a condition that is NaN", SUCCESS, condition(Kind::Strain(Strain::default()), f64::NAN)),
+        ("a negative condition", SUCCESS, condition(Kind::Strain(Strain::default()), -1e-9)),
+        ("a condition of smoothness", SUCCESS, condition(Kind::Smoothness(Smoothness {}), 1.0)),
+        (
+            "a condition of the control path",
+            SUCCESS,
+            condition(Kind::ControlPath(ControlPath {}), 1.0),
+        ),
+        (
+            "a condition of the control speed",
+            SUCCESS,
+            condition(Kind::ControlSpeed(ControlSpeed { limit_m_s: 1.0 }), 1.0),
+        ),
+        (
+            "a condition of a force",
+            SUCCESS,
+            condition(Kind::Force(Force { by: Some(By::Ground(All {})), limit_n: 1.0 }), 1.0),
+        ),
     ]
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bendtwin_core::Point;
 use bendtwin_engine::{
     Backend, Objective, PointLoss, PointSet, Term,
     backend::GradientRequest,
@@ -256,10 +257,10 @@ pub(crate) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
     Ok(())
 }
 
-/// Every kind of term, and every way in which a distance counts: to 1 %. Chamfer's targets lie so
-/// near to where nodes come that the nearest node stays the same within a step.
+/// Every kind of term, and every way in which a distance counts: to 1 %. Targets lie so near to where
+/// nodes come that the nearest node stays the same within a step.
 pub(crate) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
-    let wanted: [fn(&Term) -> bool; 8] = [
+    let wanted: [fn(&Term) -> bool; 11] = [
         |t| matches!(t, Term::Chamfer { of: PointSet::Nodes, .. }),
         |t| matches!(t, Term::Acceleration),
         |t| matches!(t, Term::Track { of: PointSet::Nodes, loss: PointLoss::Distance, .. }),
@@ -268,15 +269,16 @@ pub(crate) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
         |t| matches!(t, Term::Strain { .. }),
         |t| matches!(t, Term::Above { .. }),
         |t| matches!(t, Term::Within { .. }),
+        |t| matches!(t, Term::Order { of: PointSet::Nodes, .. }),
+        |t| matches!(t, Term::Winding { of: PointSet::Nodes, .. }),
+        |t| matches!(t, Term::Coverage { of: PointSet::Nodes, .. }),
     ];
     for (i, wanted) in wanted.into_iter().enumerate() {
         let seed = 20 + i as u64;
         let mut scene = tracked(seed, &RandomOptions::default(), 4);
         scene.objective = random_objective(seed, &scene.model(), 4);
         keep(&mut scene.objective, wanted);
-        if i == 0 {
-            near_nodes(backend, &mut scene)?;
-        }
+        near_nodes(backend, &mut scene)?;
         let must_matter: &[&str] = match i {
             // Which depends on rest lengths directly, too.
             5 => &["initial positions", "rest length"],
@@ -319,7 +321,7 @@ pub(crate) fn norms_are_those_of_restarts(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// Moves Chamfer targets to within some 8 mm of nodes' positions in their frame.
+/// Moves targets whose nearest nodes are sought to within some 8 mm of nodes' positions in their frame.
 fn near_nodes(backend: &dyn Backend, scene: &mut Scene) -> Outcome {
     let rollout = scene.roll_out(backend)?;
     let n = scene.graph.node_count();
@@ -327,13 +329,22 @@ fn near_nodes(backend: &dyn Backend, scene: &mut Scene) -> Outcome {
     let terms = Arc::make_mut(&mut scene.objective.terms);
     for term in terms {
         let nodes = &rollout.positions[term.frame * n..];
-        if let Term::Chamfer { targets, .. } = &mut term.term {
+        if let Some(targets) = sought(&mut term.term) {
             for (target, node) in targets.iter_mut().zip(nodes) {
                 *target = node.map(|x| x + 0.01 * (rng.random::<f32>() - 0.2));
             }
         }
     }
     Ok(())
+}
+
+/// Targets of a term whose nearest points are sought.
+pub(crate) fn sought(term: &mut Term) -> Option<&mut Vec<Point>> {
+    match term {
+        Term::Chamfer { targets, .. } => Some(targets),
+        Term::Coverage { targets, .. } => Some(Arc::make_mut(targets)),
+        _ => None,
+    }
 }
 
 /// A gradient cut at every k-th frame boundary is the sum of the gradients of the windows between,

@@ -1,6 +1,6 @@
 //! Losses, outputs and diagnostics against their definitions.
 
-use std::sync::Arc;
+use std::{f64::consts::PI, sync::Arc};
 
 use bendtwin_core::Point;
 use bendtwin_engine::{
@@ -12,7 +12,7 @@ use crate::{
     energy,
     expect::{Outcome, close, ensure},
     random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::{Scene, difference, dot, norm},
+    scene::{Scene, cross, difference, dot, norm},
 };
 
 fn measured(seed: u64) -> Scene {
@@ -39,6 +39,14 @@ fn strains(scene: &Scene, nodes: &[Point], controls: &[Point]) -> [Vec<f64>; 2] 
     found
 }
 
+/// Positions of the points of a set.
+fn placed(scene: &Scene, nodes: &[Point], of: PointSet) -> Vec<Point> {
+    match of {
+        PointSet::Nodes => nodes.to_vec(),
+        PointSet::Skin => scene.skin.positions(nodes),
+    }
+}
+
 /// Value of a term on the positions of frame `f`, from its definition.
 fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
     let surface = scene.graph.surface_count();
@@ -63,10 +71,7 @@ fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
             mean(targets.iter().map(nearest).collect())
         }
         Term::Track { of, points, targets, loss } => {
-            let all = match of {
-                PointSet::Nodes => frames[f].to_vec(),
-                PointSet::Skin => scene.skin.positions(frames[f]),
-            };
+            let all = placed(scene, frames[f], *of);
             let of = |(point, target): (&u32, &Point)| {
                 let d = difference(all[*point as usize], *target);
                 match loss {
@@ -103,6 +108,38 @@ fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
             mean(chosen(nodes).iter().map(outside).collect())
         }
         Term::Clearance { .. } | Term::Force { .. } => f64::NAN,
+        Term::Order { of, points, direction, gap_m } => {
+            let places = placed(scene, frames[f], *of);
+            let along = |i: &u32| dot(places[*i as usize].map(f64::from), direction.map(f64::from));
+            let lack = |w: &[u32]| f64::from(*gap_m) - (along(&w[1]) - along(&w[0]));
+            mean(points.windows(2).map(|w| lack(w).max(0.0).powi(2)).collect())
+        }
+        Term::Winding { of, points, origin, direction, turns } => {
+            // Two axes that are perpendicular to any line.
+            let n = direction.map(f64::from);
+            let u = cross(n, [n[2], n[0], n[1]]);
+            let v = cross(n, u);
+            let places = placed(scene, frames[f], *of);
+            let angle = |i: &u32| {
+                let way = difference(places[*i as usize], *origin);
+                dot(way, v).atan2(dot(way, u))
+            };
+            let angles: Vec<f64> = points.iter().map(angle).collect();
+            let turn = |w: &[f64]| (w[1] - w[0] + PI).rem_euclid(2.0 * PI) - PI;
+            let sum: f64 = angles.windows(2).map(turn).sum();
+            (sum / (2.0 * PI) - f64::from(*turns)).powi(2)
+        }
+        Term::Coverage { of, targets, reach_m } => {
+            let surface = match of {
+                PointSet::Nodes => frames[f][..surface].to_vec(),
+                PointSet::Skin => scene.skin.positions(frames[f]),
+            };
+            let uncovered = |t: &Point| {
+                let nearest = surface.iter().map(|x| squared(*x, *t)).fold(f64::INFINITY, f64::min);
+                1.0 - (-nearest / (2.0 * f64::from(*reach_m).powi(2))).exp()
+            };
+            mean(targets.iter().map(uncovered).collect())
+        }
         Term::Acceleration if f < 2 => 0.0,
         Term::Acceleration => {
             let nodes = frames[f].iter().zip(frames[f - 1]).zip(frames[f - 2]);

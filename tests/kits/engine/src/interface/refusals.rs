@@ -160,7 +160,7 @@ fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
 /// Every input that does not fit its model is InvalidInput, in all three calls (wrong outputs:
 /// in the one that records), and a good input after it still runs.
 pub(crate) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
-    let breaks: [Break<Request>; 25] = [
+    let breaks: [Break<Request>; 30] = [
         ("a position too few", |r| {
             state(r).positions.pop();
         }),
@@ -179,7 +179,7 @@ pub(crate) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
             Arc::make_mut(&mut r.instance.controls)[1][2] = f32::NAN;
         }),
         ("a term after the last frame", |r| add_term(r, 99, 0, Term::Acceleration)),
-        ("a term of no group", |r| add_term(r, 2, 8, Term::Acceleration)),
+        ("a term of no group", |r| add_term(r, 2, 99, Term::Acceleration)),
         ("a track of no node", |r| add_term(r, 2, 0, track(vec![9999], vec![[0.0; 3]]))),
         ("a track without targets", |r| add_term(r, 2, 0, track(vec![0, 1], vec![[0.0; 3]]))),
         ("a track of no skin point", |r| {
@@ -203,6 +203,27 @@ pub(crate) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
         }),
         ("a box that is no number", |r| {
             add_term(r, 2, 0, Term::Within { nodes: None, low: [f32::NAN; 3], high: [0.0; 3] });
+        }),
+        ("an order of no node", |r| {
+            let (of, points) = (PointSet::Nodes, Arc::new(vec![0, 9999]));
+            add_term(r, 2, 0, Term::Order { of, points, direction: [1.0, 0.0, 0.0], gap_m: 0.0 });
+        }),
+        ("an order without direction", |r| {
+            let (of, points) = (PointSet::Nodes, Arc::new(vec![0, 1]));
+            add_term(r, 2, 0, Term::Order { of, points, direction: [0.0; 3], gap_m: 0.0 });
+        }),
+        ("a negative gap", |r| {
+            let (of, points) = (PointSet::Nodes, Arc::new(vec![0, 1]));
+            add_term(r, 2, 0, Term::Order { of, points, direction: [1.0, 0.0, 0.0], gap_m: -0.1 });
+        }),
+        ("a winding of turns that are no number", |r| {
+            let (of, points, origin) = (PointSet::Nodes, Arc::new(vec![0, 1]), [0.0; 3]);
+            let (direction, turns) = ([1.0, 0.0, 0.0], f32::NAN);
+            add_term(r, 2, 0, Term::Winding { of, points, origin, direction, turns });
+        }),
+        ("a coverage without reach", |r| {
+            let (of, targets) = (PointSet::Nodes, Arc::new(vec![[0.0; 3]]));
+            add_term(r, 2, 0, Term::Coverage { of, targets, reach_m: 0.0 });
         }),
         ("a weight that is no number", |r| {
             add_term(r, 2, 0, Term::Acceleration);

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     differences::{Check, matches_differences},
     expect::{Outcome, close, ensure},
-    interface::gradients::{keep, tracked},
+    interface::gradients::{keep, sought, tracked},
     random::{RandomOptions, random_model, random_objective},
     scene::{Scene, difference, norm},
 };
@@ -101,14 +101,17 @@ pub(crate) fn frames_without_a_triangle_hold_nothing_off(backend: &dyn Backend) 
     Ok(())
 }
 
-/// Every term at the skin: to 1 %. Chamfer's targets lie so near to where points come that the
-/// nearest point stays the same within a step.
+/// Every term at the skin: to 1 %. Targets lie so near to where points come that the nearest point stays
+/// the same within a step.
 pub(crate) fn gradients_of_skin_terms(backend: &dyn Backend) -> Outcome {
-    let wanted: [fn(&Term) -> bool; 4] = [
+    let wanted: [fn(&Term) -> bool; 7] = [
         |t| matches!(t, Term::Chamfer { of: PointSet::Skin, .. }),
         |t| matches!(t, Term::Track { of: PointSet::Skin, loss: PointLoss::Distance, .. }),
         |t| matches!(t, Term::Track { of: PointSet::Skin, loss: PointLoss::SmoothL1 { .. }, .. }),
         |t| matches!(t, Term::Track { of: PointSet::Skin, loss: PointLoss::SquaredDistance, .. }),
+        |t| matches!(t, Term::Order { of: PointSet::Skin, .. }),
+        |t| matches!(t, Term::Winding { of: PointSet::Skin, .. }),
+        |t| matches!(t, Term::Coverage { of: PointSet::Skin, .. }),
     ];
     for (i, wanted) in wanted.into_iter().enumerate() {
         let seed = 40 + i as u64;
@@ -116,9 +119,7 @@ pub(crate) fn gradients_of_skin_terms(backend: &dyn Backend) -> Outcome {
         in_frames(&mut scene.skin);
         scene.objective = random_objective(seed, &scene.model(), 4);
         keep(&mut scene.objective, wanted);
-        if i == 0 {
-            near_skin(backend, &mut scene)?;
-        }
+        near_skin(backend, &mut scene)?;
         let must_matter: &[&str] = &["initial velocities", "initial positions"];
         matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;
     }
@@ -136,14 +137,14 @@ pub fn in_frames(skin: &mut Skin) {
     }
 }
 
-/// Moves Chamfer targets to within some 2 mm of skin points in their frame.
+/// Moves targets whose nearest points are sought to within some 2 mm of skin points in their frame.
 fn near_skin(backend: &dyn Backend, scene: &mut Scene) -> Outcome {
     let rollout = scene.roll_out(backend)?;
     let n = scene.graph.node_count();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for term in Arc::make_mut(&mut scene.objective.terms) {
         let points = scene.skin.positions(&rollout.positions[term.frame * n..][..n]);
-        if let Term::Chamfer { targets, .. } = &mut term.term {
+        if let Some(targets) = sought(&mut term.term) {
             for (target, point) in targets.iter_mut().zip(&points) {
                 *target = point.map(|x| x + 0.004 * (rng.random::<f32>() - 0.3));
             }
@@ -160,13 +161,21 @@ pub(crate) fn a_skin_of_nodes_is_the_nodes(backend: &dyn Backend) -> Outcome {
     keep(&mut scene.objective, |t| {
         matches!(
             t,
-            Term::Chamfer { of: PointSet::Nodes, .. } | Term::Track { of: PointSet::Nodes, .. }
+            Term::Chamfer { of: PointSet::Nodes, .. }
+                | Term::Track { of: PointSet::Nodes, .. }
+                | Term::Order { of: PointSet::Nodes, .. }
+                | Term::Winding { of: PointSet::Nodes, .. }
+                | Term::Coverage { of: PointSet::Nodes, .. }
         )
     });
     let at_nodes = scene.gradient(backend, &crate::differences::REQUEST)?;
     for term in Arc::make_mut(&mut scene.objective.terms) {
         match &mut term.term {
-            Term::Chamfer { of, .. } | Term::Track { of, .. } => *of = PointSet::Skin,
+            Term::Chamfer { of, .. }
+            | Term::Track { of, .. }
+            | Term::Order { of, .. }
+            | Term::Winding { of, .. }
+            | Term::Coverage { of, .. } => *of = PointSet::Skin,
             other => return Err(format!("{other:?} is no term of points")),
         }
     }

@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 use crate::rollout::{
     Error,
     check::Batch,
-    request::tensors::{finite, required},
+    request::tensors::{finite, given, required},
 };
 
 /// Number of points of a list of targets, [M, 3], [F, M, 3], [B, 1, M, 3] or [B, F, M, 3].
@@ -49,25 +49,37 @@ pub(super) fn check(
     finite(tensor, field).map(|()| count)
 }
 
+/// Checks a list of targets that is the same for all instances and frames, [M, 3].
+pub(super) fn check_fixed(tensor: Option<&Tensor>, field: &str) -> Result<(), Error> {
+    let (tensor, shape) = required(tensor, field, Dtype::Float32)?;
+    match shape[..] {
+        [count, 3] if count > 0 => finite(tensor, field),
+        _ => Err(Error::field(field, format!("has shape {shape:?}, not [M, 3] with M >= 1"))),
+    }
+}
+
 /// The tensor of a cost's targets, if it has any.
 fn of(cost: &Cost) -> Option<&Tensor> {
     match &cost.kind {
         Some(Kind::TargetCloud(cloud)) => cloud.points.as_ref(),
         Some(Kind::Keypoints(keypoints)) => keypoints.targets.as_ref(),
+        Some(Kind::Coverage(coverage)) => coverage.points.as_ref(),
         Some(_) | None => None,
     }
 }
 
-/// Number of points, of targets or of nodes that are named, in one frame of one instance.
+/// Number of points, of targets or of those that are named, in one frame of one instance.
 pub(super) fn points(cost: &Cost) -> u128 {
-    let nodes = match &cost.kind {
+    let named = match &cost.kind {
         Some(Kind::Height(height)) => height.nodes.as_ref(),
         Some(Kind::Within(within)) => within.nodes.as_ref(),
+        Some(Kind::Order(o)) => given(o.skin_points.as_ref()).or(o.nodes.as_ref()),
+        Some(Kind::Winding(w)) => given(w.skin_points.as_ref()).or(w.nodes.as_ref()),
         Some(_) | None => None,
     };
     let count = match of(cost) {
         Some(targets) => targets.shape.iter().rev().nth(1),
-        None => nodes.and_then(|t| t.shape.first()),
+        None => named.and_then(|t| t.shape.first()),
     };
     count.map_or(0, |n| u128::from(*n))
 }
