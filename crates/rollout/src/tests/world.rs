@@ -2,6 +2,7 @@
 //! the CPU.
 
 mod fits;
+mod forces;
 mod mean;
 mod spans;
 

@@ -31,10 +31,11 @@ class Planned:
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
     problem: Problem | Task = field(repr=False)
-    #: Excess of the strain of the material over the limit of `Plausibility`: 0, unless every plan
-    #: exceeded it. Plans beyond the limit are worse than all within, regardless of cost.
-    excess_strain: float = 0.0
-    #: Number of the simulated plans that did not diverge and were beyond it.
+    #: Excess of the strain of the material and of the forces of grasps over the limits of
+    #: `Plausibility`, as the sum of its shares of the limits: 0, unless every plan was beyond one.
+    #: Plans beyond a limit are worse than all within both, regardless of cost.
+    excess: float = 0.0
+    #: Number of the simulated plans that did not diverge and were beyond a limit.
     overstrained: int = 0
 
     def actions(self, frames: int | None = None) -> dict[str, Any]:
@@ -69,3 +70,8 @@ class ServerPlan(Planned):
     #: Number of the simulated plans, and of those of them that diverged.
     simulated: int
     diverged: int
+    #: With a grasp search: the place of the plan, and the cost of the best plan of each place [P].
+    grasp: int | None = None
+    grasp_costs: npt.NDArray[np.float64] | None = None
+    #: Largest mean force of a grasp over a frame, newtons, if there is a limit or a grasp search.
+    grasp_force_n: float | None = None
