@@ -295,6 +295,7 @@ proptest! {
         start in vec(num::f32::ANY, 0..8),
         (correlation, deadline_s, shift_frames) in (num::f64::ANY, num::f64::ANY, num::f64::ANY),
         has_poses in any::<bool>(),
+        grasping in prop::option::of((vec(num::f32::ANY, 0..30), vec(0..3u32, 0..3))),
     ) {
         let floats = |values: &[f32]| (!values.is_empty()).then(|| Tensor::pack(&[values.len()], values));
         let rows = start.len() / 3;
@@ -305,7 +306,18 @@ proptest! {
             group_of_control: (!groups.is_empty()).then(|| Tensor::pack(&[groups.len()], &groups)),
             start: (rows > 0).then_some(if has_poses { poses } else { points }),
         };
-        let good = if has_poses { cases::sound_with_poses(&TWIN) } else { cases::sound(&TWIN) };
+        let mut good = match (&grasping, has_poses) {
+            (Some(_), true) => cases::sound_with_places(&TWIN),
+            (None, true) => cases::sound_with_poses(&TWIN),
+            (_, false) => cases::sound(&TWIN),
+        };
+        if let Some((values, grippers)) = grasping.filter(|(values, _)| !values.is_empty()) {
+            let width = 7 * grippers.len().max(1);
+            let places = values.len() / width;
+            let shape = [places, grippers.len().max(1), 7];
+            let poses = Some(Tensor::pack(&shape, &values[..places * width]));
+            good.grasp_search = Some(GraspSearch { poses, grippers });
+        }
         let request = PlanRequest {
             samples: if small { samples % 9 } else { samples },
             iterations: if small { iterations % 9 } else { iterations },

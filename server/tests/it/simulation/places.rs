@@ -12,6 +12,7 @@ use bendtwin_proto::v1::{
     roll_out_request::Actions,
     session_service_client::SessionServiceClient,
 };
+use serde_json::{Value, json};
 use tokio::sync::Notify;
 use tonic::Code;
 
@@ -213,4 +214,27 @@ async fn slots_that_hold_something_are_refused_and_others_are_stepped() {
     assert!(stepped.advanced.is_some());
     let status = sessions.step_session(step(1)).await.unwrap_err();
     assert!(status.message().contains("gripper 0"), "{status}");
+}
+
+#[tokio::test]
+async fn over_http_places_are_lists() {
+    let (server, _worker, twin) = started(Device::default()).await;
+    let pose = |x: f64| json!([[x, 0, 0, 0, 0, 0, 1]]);
+    let body = json!({
+        "rollout": {
+            "twin": twin,
+            "poses": {"poses": [[pose(1.0), pose(1.0), pose(1.0)]]},
+            "grasps": [{"sphere": {"radius_m": 0.03}}],
+            "costs": [{"keypoints": {"nodes": [0], "targets": [[0, 0, 0]]}}],
+        },
+        "grasp_search": {"poses": [pose(0.4), pose(0.9), pose(0.25)]},
+        "samples": 12,
+    });
+    let reply = server.http.post(server.url("/v1/plans")).json(&body).send().await.unwrap();
+    let text = reply.text().await.unwrap();
+    let data = text.lines().filter_map(|line| line.strip_prefix("data:"));
+    let last: Value = serde_json::from_str(data.last().unwrap()).unwrap();
+    assert_eq!((&last["grasp"], &last["last"]), (&json!(2), &json!(true)), "{last}");
+    assert_eq!(last["knots"][0][0][0][0], json!(0.25), "{last}");
+    assert_eq!(last["grasp_costs"].as_array().map(Vec::len), Some(3));
 }
