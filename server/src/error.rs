@@ -62,6 +62,13 @@ pub(crate) enum Error {
     )]
     #[problem(FailedPrecondition, "EVERY_PLAN_DIVERGED")]
     EveryPlanDiverged,
+    #[error(
+        "no plan grasps anything at any of the places: no grasp of the searched grippers finds a node in its \
+         region. Put the poses where nodes are (TwinGeometry, in the initial state), widen the regions, and \
+         see that `closed` is 1 at the start or on the way"
+    )]
+    #[problem(FailedPrecondition, "NOTHING_GRASPED")]
+    NothingGrasped,
     #[error("the settings are not accepted: {}", .0.join("; "))]
     #[problem(InvalidArgument, "INVALID_SETTINGS")]
     Settings(Vec<String>),

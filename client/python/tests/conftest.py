@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 from fake import Fake, serve
+from server import with_rope
 
 from bendtwin import Client
 
@@ -13,6 +14,13 @@ def state(tmp_path_factory):
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
         patch.delenv("BENDTWIN_TOKEN", raising=False)
         yield
+
+
+@pytest.fixture(scope="session")
+def rope(tmp_path_factory):
+    """A running server with a draft of a rope, which several modules share."""
+    with with_rope(tmp_path_factory.mktemp("rope")) as rope:
+        yield rope
 
 
 @pytest.fixture

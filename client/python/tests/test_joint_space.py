@@ -132,7 +132,7 @@ def test_planners_plan_joints_within_their_limits(scene, make, has_ground):
     planner = make(task)
     plan = planner.plan()
     assert plan.cost < 0.9 * plan.nominal_cost
-    assert plan.excess_strain == 0.0
+    assert plan.excess == 0.0
     path = task.space.path(plan)
     assert path.names == scene.robot.joint_names
     assert path.positions.shape == path.velocities.shape == (13, 7)
@@ -176,7 +176,7 @@ def test_plans_into_the_table_are_worse_than_all_others(scene):
     assert evaluation.excess[0] == 0.0
     assert evaluation.excess[1] > 0.05
     plan = Mppi(task, samples=8, sigma=0.01, knots=3).plan(nominal=down[0])
-    assert plan.excess_strain == 0.0
+    assert plan.excess == 0.0
     assert plan.overstrained > 0
     refused = replace(task, plausibility=Plausibility(refuse=True))
     costs = refused.evaluate(both, None).costs

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 use bendtwin_proto::v1::{
-    self, ActionSpace, PlanBounds, PlanMethod, PlanRequest, Tensor, action_space::Coordinates,
-    plan_method, planning_service_client::PlanningServiceClient,
+    self, ActionSpace, GraspSearch, PlanBounds, PlanMethod, PlanRequest, Tensor,
+    action_space::Coordinates, plan_method, planning_service_client::PlanningServiceClient,
 };
 use futures::{Stream, StreamExt as _};
 
@@ -39,7 +39,8 @@ pub struct PlanUpdate {
     pub cost_terms: Vec<(String, f64)> = cost_names, cost_terms,
     /// Source of the plan.
     pub origin: Origin,
-    /// Cost of the nominal plan; infinite if it diverges.
+    /// Cost of the nominal plan, of the place of the best plan if places are searched; infinite if it
+    /// diverges.
     pub nominal_cost: f64,
     /// Iterations that were finished.
     pub iterations: usize,
@@ -57,10 +58,21 @@ pub struct PlanUpdate {
     pub rollout: Option<Reply>,
     /// Largest strain of the material in the plan's motion.
     pub strain: f64,
-    /// Limit of the strain: a plan beyond it is worse than every plan that keeps it, at any cost.
+    /// Limit of the strain: a plan beyond it, or beyond that of the force of grasps, is worse than every
+    /// plan that keeps both, at any cost.
     pub strain_limit: f64,
-    /// Plans that did not diverge and were beyond the limit.
+    /// Plans that did not diverge and were beyond a limit.
     pub overstrained: usize,
+    /// The place of the best plan, if places to grasp are searched.
+    pub grasp: Option<usize>,
+    /// Cost of the best plan of each place, shape [P]; infinite where every plan diverged or grasped
+    /// nothing.
+    pub grasp_costs: Vec<f64>,
+    /// Largest mean force of a grasp over a frame in the plan's motion [N], if there is a limit or places
+    /// are searched.
+    pub grasp_force_n: Option<f64>,
+    /// Limit of that force.
+    pub grasp_force_limit_n: Option<f64>,
 }
 }
 
@@ -195,6 +207,23 @@ impl Planning {
         self
     }
 
+    /// Searches places to grasp together with the motion: poses of these grippers, which ascend, at each
+    /// place. The samples are shared by all places, and the worse half of these is given up after each round
+    /// of iterations. The rollout needs a grasp of each gripper.
+    #[must_use]
+    pub fn grasping<const G: usize>(
+        mut self,
+        grippers: [usize; G],
+        places: &[[[f32; 7]; G]],
+    ) -> Self {
+        let poses = places.as_flattened().as_flattened();
+        self.request.grasp_search = Some(GraspSearch {
+            poses: Some(Tensor::pack(&[places.len(), G, 7], poses)),
+            grippers: grippers.map(count).to_vec(),
+        });
+        self
+    }
+
     /// Moves the nominal plan on by frames that were executed since it was made.
     #[must_use]
     pub fn shifted(mut self, frames: f64) -> Self {
@@ -233,3 +262,6 @@ fn numbers(values: &[f64]) -> Tensor {
 fn count(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
+
+#[cfg(test)]
+mod tests;

@@ -559,7 +559,7 @@ export interface paths {
         put?: never;
         /**
          * Plan
-         * @description Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection stops the work.
+         * @description Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the strain of the material or of the force of a grasp is worse than every plan within both, regardless of the cost; among plans beyond a limit the one with the least excess is best, which is the sum of (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
          */
         post: operations["Plan"];
         delete?: never;
@@ -2160,11 +2160,11 @@ export interface components {
             /** Format: int64 */
             hand?: number;
         };
-        /** @description Search over P places to grasp: each is tried with its own motion in the plan's space, and the worse half is given up after each round. The iterations of the request are shared among the rounds; each plan of a place begins there and otherwise moves like the nominal plan. Limits of strain and of the force of grasps (`rollout.plausibility`) decide between places as they do between plans. Only with poses as actions. */
+        /** @description Search over P places to grasp, by successive halving. Each place has its own search of a motion, with its own nominal plan, which begins at the place and otherwise moves like the nominal plan: by the same displacements and rotations along the world's axes. Grippers that are not listed move as in the nominal plan. The places still searched share the samples of each iteration; after each round the worse half of them, in the order of plans, is given up, until one is left. There are ceil(log2(P)) + 1 rounds of iterations / rounds iterations each, rounded down; the last round, of a single place, has the iterations that remain. With a gradient each place keeps its starts, samples / P of them.  A plan in which no grasp of a listed gripper ever exerts a force has grasped nothing: its cost is +inf, and it counts as diverged. If there is no other, the call ends with FAILED_PRECONDITION, reason NOTHING_GRASPED. Only with poses as actions and with `rollout.grasps` that have a sphere, a cuboid or nodes for each listed gripper, also in a session. Refused if such a grasp holds something in the initial state and is closed at the start of the plan. */
         GraspSearch: {
             /** @description Grippers whose places are searched, ascending; empty: all. */
             grippers?: number[];
-            /** @description Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 [P, G', 7], P in 2..256. */
+            /** @description Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 [P, G', 7], P in 2..256. Coordinates of these grippers and their bounds are counted from there, instead of from `space.start`. */
             poses?: components["schemas"]["Tensor"];
         };
         /** @description What G grasps hold of N nodes in a state. Shapes are those of one state; several states have [B] in front. */
@@ -2616,15 +2616,15 @@ export interface components {
             grasp_search?: components["schemas"]["GraspSearch"];
             /**
              * Format: int64
-             * @description Default (0): 1, or 20 with a gradient. At most 1,000,000 plans are simulated in total.
+             * @description Default (0): 1, or 20 with a gradient; with `grasp_search` at least one for each round. At most 1,000,000 plans are simulated in total.
              */
             iterations?: number;
             method?: components["schemas"]["PlanMethod"];
-            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration starts from; returned knots can be sent unchanged. Row 0 is the current position and is not changed: where the initial state has control points (a session, or given controls), row 0 of trajectories is taken from them. `plausibility.strain` is the limit of the strain (default: 1; infinity lifts it). With `plausibility.refuse` a plan beyond any of the limits counts as diverged. `returns` apply to one more rollout, of the best plan; without any, this rollout is left out. */
+            /** @description The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one instance, are the nominal plan, which the first iteration starts from; returned knots can be sent unchanged. Row 0 is the current position and is not changed: where the initial state has control points (a session, or given controls), row 0 of trajectories is taken from them. `plausibility.strain` is the limit of the strain (default: 1; infinity lifts it), `plausibility.grasp_force_n` that of the force of each grasp (default: none). With `plausibility.refuse` a plan beyond any of the limits counts as diverged. `returns` apply to one more rollout, of the best plan; without any, this rollout is left out. */
             rollout?: components["schemas"]["RollOutRequest"];
             /**
              * Format: int64
-             * @description Plans simulated in an iteration. Default (0): 64, or 1 with a gradient.
+             * @description Plans simulated in an iteration. Default (0): 64, or 1 with a gradient; with `grasp_search` at least 8, or 1 with a gradient, for each place.
              */
             samples?: number;
             /**
@@ -2657,15 +2657,18 @@ export interface components {
             diverged: number;
             /**
              * Format: int64
-             * @description With `grasp_search`: the place of the best plan, and the cost of the best plan of each place, FLOAT64 [P]; +inf where every plan diverged.
+             * @description With `grasp_search`: the place of the best plan, and the cost of the best plan of each place so far, also of those given up, FLOAT64 [P]; +inf where every plan diverged or grasped nothing.
              */
             grasp?: number;
             grasp_costs?: components["schemas"]["Tensor"];
-            /** Format: double */
+            /**
+             * Format: double
+             * @description The limit; absent without one in `plausibility.grasp_force_n`.
+             */
             grasp_force_limit_n?: number;
             /**
              * Format: double
-             * @description Largest mean force of a grasp over a frame in the motion of the best plan, and the limit; absent without a limit in `plausibility.grasp_force_n`.
+             * @description Largest mean force of a grasp over a frame in the motion of the best plan (with an ensemble, over its members), newtons (per unit mass without a mass_kg); absent without a limit and without `grasp_search`.
              */
             grasp_force_n?: number;
             /**
@@ -2679,14 +2682,14 @@ export interface components {
             last: boolean;
             /**
              * Format: double
-             * @description +inf if the nominal plan diverges.
+             * @description +inf if the nominal plan diverges. With `grasp_search` that of the place of the best plan.
              */
             nominal_cost: number;
             /** @enum {string} */
             origin: "NOMINAL" | "MEAN" | "SAMPLE";
             /**
              * Format: int64
-             * @description Plans beyond the strain limit that did not diverge.
+             * @description Plans beyond a limit, of the strain or of the force of a grasp, that did not diverge.
              */
             overstrained: number;
             /** @description In the last update, if returns were requested: the rollout of the best plan. */
@@ -2700,7 +2703,7 @@ export interface components {
             stopped_by_deadline: boolean;
             /**
              * Format: double
-             * @description Largest strain of the material in the motion of the best plan (with an ensemble, over its members), and the limit. The strain is above the limit only if it is so for every simulated plan.
+             * @description Largest strain of the material in the motion of the best plan (with an ensemble, over its members), and the limit. A strain above the limit means that every simulated plan is beyond a limit.
              */
             strain: number;
             /** Format: double */
@@ -2739,7 +2742,7 @@ export interface components {
             control_speed_m_s?: number;
             /**
              * Format: double
-             * @description Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none.
+             * @description Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none. Each grasp beyond it is listed. A grasp with max_force_n that slips counts with the force at which it slipped.
              */
             grasp_force_n?: number;
             refuse?: boolean;
@@ -3307,6 +3310,11 @@ export interface components {
              * @description Frame in which the value was found, where known.
              */
             frame: number;
+            /**
+             * Format: int64
+             * @description With GRASP_FORCE: index of the grasp.
+             */
+            grasp?: number;
             /** Format: int64 */
             instance: number;
             /** Format: double */

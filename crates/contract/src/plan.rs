@@ -4,6 +4,7 @@
 
 mod check;
 mod error;
+mod places;
 mod settings;
 mod space;
 mod template;
@@ -11,5 +12,6 @@ mod template;
 pub use self::{
     check::{Checked, MOST_PLANS, check},
     error::Error,
-    template::Template,
+    places::{GraspPlaces, MOST_PLACES, check_open},
+    template::{Force, Template},
 };

@@ -5,7 +5,7 @@
 //! are and stays. A [`Planner`] keeps the plan of last time, [shifts](Planner::shift) it by what was
 //! executed, and betters it by one of four [methods](Method). It never returns knots that were not
 //! simulated, hence never a plan that is worse than the one that it began with: the mean of good
-//! samples can be bad.
+//! samples can be bad. A [`PlaceSearch`] makes plans that begin at several places, and takes the best.
 //!
 //! `bendtwin.planners` of the Python client has the same mathematics.
 
@@ -14,6 +14,7 @@ mod curve;
 mod error;
 mod method;
 mod noise;
+mod places;
 mod planner;
 mod rotation;
 mod search;
@@ -25,6 +26,7 @@ pub use self::{
     curve::Curve,
     error::{Error, Invalid},
     method::Method,
+    places::{PlaceSearch, check_places, rounds},
     planner::{Evaluate, Planner},
     search::{Evaluation, Origin, Plan, Progress, Search},
     settings::Settings,

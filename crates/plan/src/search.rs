@@ -17,17 +17,17 @@ pub struct Evaluation {
     pub costs: Vec<f64>,
     /// d cost / d knots of each plan, shape [K, D]; only [`Method::Gradient`] needs them.
     pub gradients: Vec<Knots>,
-    /// Excess of each plan over a limit, 0 for one that keeps it: plans beyond the limit are worse
-    /// than all that keep it, at any cost. Empty: all keep it.
+    /// Excess of each plan over limits, 0 for one that keeps them: plans beyond a limit are worse than
+    /// all that keep them, at any cost. Empty: all keep them.
     pub excess: Vec<f64>,
 }
 
 /// Rank of a plan: what keeps the limit first, then by how far it is beyond, then by cost.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-struct Rank {
+pub(crate) struct Rank {
     /// Infinite for a plan that diverged.
     excess: f64,
-    cost: f64,
+    pub(crate) cost: f64,
 }
 
 impl Rank {
@@ -252,6 +252,22 @@ impl<P: BorrowMut<Planner>> Search<P> {
     /// The plans that were proposed last.
     pub fn batch(&self) -> &[Knots] {
         &self.batch
+    }
+
+    /// Rank of the best so far; none before the first batch was simulated.
+    pub(crate) fn rank(&self) -> Option<Rank> {
+        self.best.as_ref().map(|(_, rank, _)| *rank)
+    }
+
+    /// Changes the number of samples from the next iteration on, of methods that sample.
+    pub(crate) fn set_samples(&mut self, samples: usize) {
+        self.planner.borrow_mut().settings.samples = samples;
+    }
+
+    /// Numbers of plans that were simulated, of the diverged ones among them, and of those that did not
+    /// and were beyond a limit.
+    pub(crate) fn counts(&self) -> [usize; 3] {
+        [self.simulated, self.diverged, self.beyond_limit]
     }
 
     /// The best so far; none before the first batch was simulated.

@@ -9897,7 +9897,8 @@ pub struct Plausibility {
     /// below the ground (Diagnostics.stopped_hand_m).
     #[prost(double, optional, tag = "5")]
     pub control_depth_m: ::core::option::Option<f64>,
-    /// Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none.
+    /// Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none. Each
+    /// grasp beyond it is listed. A grasp with max_force_n that slips counts with the force at which it slipped.
     #[prost(double, optional, tag = "6")]
     pub grasp_force_n: ::core::option::Option<f64>,
 }
@@ -10539,6 +10540,9 @@ pub mod roll_out_response {
         /// Frame in which the value was found, where known.
         #[prost(uint32, tag = "5")]
         pub frame: u32,
+        /// With GRASP_FORCE: index of the grasp.
+        #[prost(uint32, optional, tag = "6")]
+        pub grasp: ::core::option::Option<u32>,
     }
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Diagnostics {
@@ -11127,19 +11131,21 @@ pub struct PlanRequest {
     /// instance, are the nominal plan, which the first iteration starts from; returned knots can be sent
     /// unchanged. Row 0 is the current position and is not changed: where the initial state has control points (a
     /// session, or given controls), row 0 of trajectories is taken from them. `plausibility.strain` is the limit
-    /// of the strain (default: 1; infinity lifts it). With `plausibility.refuse` a plan beyond any of the limits
-    /// counts as diverged. `returns` apply to one more rollout, of the best plan; without any, this rollout is
-    /// left out.
+    /// of the strain (default: 1; infinity lifts it), `plausibility.grasp_force_n` that of the force of each grasp
+    /// (default: none). With `plausibility.refuse` a plan beyond any of the limits counts as diverged. `returns`
+    /// apply to one more rollout, of the best plan; without any, this rollout is left out.
     #[prost(message, optional, tag = "1")]
     pub rollout: ::core::option::Option<RollOutRequest>,
     #[prost(message, optional, tag = "2")]
     pub space: ::core::option::Option<ActionSpace>,
     #[prost(message, optional, tag = "3")]
     pub method: ::core::option::Option<PlanMethod>,
-    /// Plans simulated in an iteration. Default (0): 64, or 1 with a gradient.
+    /// Plans simulated in an iteration. Default (0): 64, or 1 with a gradient; with `grasp_search` at least 8, or 1
+    /// with a gradient, for each place.
     #[prost(uint32, tag = "4")]
     pub samples: u32,
-    /// Default (0): 1, or 20 with a gradient. At most 1,000,000 plans are simulated in total.
+    /// Default (0): 1, or 20 with a gradient; with `grasp_search` at least one for each round. At most 1,000,000
+    /// plans are simulated in total.
     #[prost(uint32, tag = "5")]
     pub iterations: u32,
     /// Standard deviations of samples, metres or radians: FLOAT32 \[1\], by coordinate \[D\], or by knot and
@@ -11170,13 +11176,23 @@ pub struct PlanRequest {
     #[prost(message, optional, tag = "13")]
     pub grasp_search: ::core::option::Option<GraspSearch>,
 }
-/// Search over P places to grasp: each is tried with its own motion in the plan's space, and the worse half is given
-/// up after each round. The iterations of the request are shared among the rounds; each plan of a place begins there
-/// and otherwise moves like the nominal plan. Limits of strain and of the force of grasps
-/// (`rollout.plausibility`) decide between places as they do between plans. Only with poses as actions.
+/// Search over P places to grasp, by successive halving. Each place has its own search of a motion, with its own
+/// nominal plan, which begins at the place and otherwise moves like the nominal plan: by the same displacements
+/// and rotations along the world's axes. Grippers that are not listed move as in the nominal plan. The places
+/// still searched share the samples of each iteration; after each round the worse half of them, in the order of
+/// plans, is given up, until one is left. There are ceil(log2(P)) + 1 rounds of iterations / rounds iterations
+/// each, rounded down; the last round, of a single place, has the iterations that remain. With a gradient each
+/// place keeps its starts, samples / P of them.
+///
+/// A plan in which no grasp of a listed gripper ever exerts a force has grasped nothing: its cost is +inf, and it
+/// counts as diverged. If there is no other, the call ends with FAILED_PRECONDITION, reason NOTHING_GRASPED.
+/// Only with poses as actions and with `rollout.grasps` that have a sphere, a cuboid or nodes for each listed
+/// gripper, also in a session. Refused if such a grasp holds something in the initial state and is closed at the
+/// start of the plan.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct GraspSearch {
     /// Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 \[P, G', 7\], P in 2..256.
+    /// Coordinates of these grippers and their bounds are counted from there, instead of from `space.start`.
     #[prost(message, optional, tag = "1")]
     pub poses: ::core::option::Option<Tensor>,
     /// Grippers whose places are searched, ascending; empty: all.
@@ -11338,7 +11354,7 @@ pub struct PlanUpdate {
     pub cost_terms: ::core::option::Option<Tensor>,
     #[prost(enumeration = "plan_update::Origin", tag = "6")]
     pub origin: i32,
-    /// +inf if the nominal plan diverges.
+    /// +inf if the nominal plan diverges. With `grasp_search` that of the place of the best plan.
     #[prost(double, tag = "7")]
     pub nominal_cost: f64,
     /// Finished iterations.
@@ -11362,24 +11378,25 @@ pub struct PlanUpdate {
     #[prost(message, optional, tag = "14")]
     pub rollout: ::core::option::Option<RollOutResponse>,
     /// Largest strain of the material in the motion of the best plan (with an ensemble, over its members), and the
-    /// limit. The strain is above the limit only if it is so for every simulated plan.
+    /// limit. A strain above the limit means that every simulated plan is beyond a limit.
     #[prost(double, tag = "15")]
     pub strain: f64,
     #[prost(double, tag = "16")]
     pub strain_limit: f64,
-    /// Plans beyond the strain limit that did not diverge.
+    /// Plans beyond a limit, of the strain or of the force of a grasp, that did not diverge.
     #[prost(uint32, tag = "17")]
     pub overstrained: u32,
-    /// With `grasp_search`: the place of the best plan, and the cost of the best plan of each place, FLOAT64 \[P\]; +inf
-    /// where every plan diverged.
+    /// With `grasp_search`: the place of the best plan, and the cost of the best plan of each place so far, also of
+    /// those given up, FLOAT64 \[P\]; +inf where every plan diverged or grasped nothing.
     #[prost(uint32, optional, tag = "18")]
     pub grasp: ::core::option::Option<u32>,
     #[prost(message, optional, tag = "19")]
     pub grasp_costs: ::core::option::Option<Tensor>,
-    /// Largest mean force of a grasp over a frame in the motion of the best plan, and the limit; absent without a limit
-    /// in `plausibility.grasp_force_n`.
+    /// Largest mean force of a grasp over a frame in the motion of the best plan (with an ensemble, over its
+    /// members), newtons (per unit mass without a mass_kg); absent without a limit and without `grasp_search`.
     #[prost(double, optional, tag = "20")]
     pub grasp_force_n: ::core::option::Option<f64>,
+    /// The limit; absent without one in `plausibility.grasp_force_n`.
     #[prost(double, optional, tag = "21")]
     pub grasp_force_limit_n: ::core::option::Option<f64>,
 }
@@ -11524,10 +11541,10 @@ pub mod planning_service_client {
             self
         }
         /// Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
-        /// the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
-        /// material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
-        /// the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
-        /// stops the work.
+        /// the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the
+        /// strain of the material or of the force of a grasp is worse than every plan within both, regardless of the
+        /// cost; among plans beyond a limit the one with the least excess is best, which is the sum of
+        /// (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
         pub async fn plan(
             &mut self,
             request: impl tonic::IntoRequest<super::PlanRequest>,
@@ -11574,10 +11591,10 @@ pub mod planning_service_server {
             + std::marker::Send
             + 'static;
         /// Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
-        /// the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
-        /// material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
-        /// the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
-        /// stops the work.
+        /// the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the
+        /// strain of the material or of the force of a grasp is worse than every plan within both, regardless of the
+        /// cost; among plans beyond a limit the one with the least excess is best, which is the sum of
+        /// (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
         async fn plan(
             &self,
             request: tonic::Request<super::PlanRequest>,

@@ -4358,7 +4358,7 @@ written!(crate::v1::roll_out_response::Forces);
 
 impl Fields for crate::v1::roll_out_response::Implausible {
     const NAME: &'static str = "Implausible";
-    const FIELDS: &'static [&'static str] = &["instance", "reason", "found", "limit", "frame"];
+    const FIELDS: &'static [&'static str] = &["instance", "reason", "found", "limit", "frame", "grasp"];
     const REQUIRED: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -4368,6 +4368,7 @@ impl Fields for crate::v1::roll_out_response::Implausible {
 2 => { self.found = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 3 => { self.limit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 4 => { self.frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.grasp = map.next_value()?; }
 
             _ => {}
         }
@@ -4380,6 +4381,7 @@ map.serialize_entry("reason", &self.reason)?;
 map.serialize_entry("found", &self.found)?;
 map.serialize_entry("limit", &self.limit)?;
 map.serialize_entry("frame", &self.frame)?;
+if let Some(value) = &self.grasp { map.serialize_entry("grasp", value)?; }
 
         Ok(())
     }

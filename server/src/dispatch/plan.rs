@@ -76,6 +76,7 @@ impl Dispatch {
         if as_lists {
             self.fits_lists(last_reply_bytes(&checked, &known.shape))?;
         }
+        self.opens_to(&checked, deadline).await?;
         let share = self.memory.plan(checked.bytes)?;
         Ok(Ready { checked, bytes: bytes as u64, deadline, memory, share })
     }

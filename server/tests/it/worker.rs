@@ -1,5 +1,6 @@
 //! A worker as the protocol has it, without physics.
 
+pub(crate) mod grasps;
 mod ingests;
 
 use std::{
@@ -20,7 +21,7 @@ use bendtwin_proto::{
     fault,
     v1::{
         CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, FitPreview,
-        ModelLoss, PredictedMotion, Progress, RegisteredState, RollOutResponse, Session,
+        Grasping, ModelLoss, PredictedMotion, Progress, RegisteredState, RollOutResponse, Session,
         SessionStates, Tensor, Tracking,
         corrected_session::Correction,
         initial_state::GivenState,
@@ -391,7 +392,7 @@ impl WorkerRollouts for Device {
         Err(Status::unimplemented("an older worker"))
     }
 
-    /// Every session exists.
+    /// Every session exists; the first grasp of slot 1 is closed.
     async fn manage_session(
         &self,
         request: Request<ManageSessionRequest>,
@@ -404,7 +405,9 @@ impl WorkerRollouts for Device {
             Call::States(asked) => {
                 let at = |place| Some(Tensor::pack_points(&[1, 1], &[place]));
                 let (positions, controls) = (at([1.0, 2.0, 3.0]), at([0.5, 0.0, 0.0]));
-                let states = GivenState { positions, controls, ..GivenState::default() };
+                let phases = Some(Tensor::pack(&[1, 1], &[u32::from(asked.slots == [1])]));
+                let grasping = Some(Grasping { phases, ..Grasping::default() });
+                let states = GivenState { positions, controls, grasping, ..GivenState::default() };
                 let (states, slots) = (Some(states), asked.slots);
                 let states = Some(SessionStates { states, slots, frames: vec![0] });
                 return Ok(Response::new(ManageSessionResponse { states, ..Default::default() }));
@@ -494,10 +497,11 @@ impl WorkerRollouts for Device {
         let limit = asked.plausibility.and_then(|limits| limits.strain).unwrap_or(1.0);
         let returns = asked.returns.unwrap_or_default();
         let has_gradients = returns.action_gradients;
-        let Some(Actions::Trajectories(t)) = asked.actions else {
-            return Err(Status::invalid_argument("no trajectories"));
+        let (rows, has_poses) = match asked.actions.unwrap() {
+            Actions::Trajectories(t) => (t.positions, false),
+            Actions::Poses(p) => (p.poses, true),
         };
-        let (shape, positions) = t.positions.unwrap().unpack::<f32>("positions").unwrap();
+        let (shape, positions) = rows.unwrap().unpack::<f32>("actions").unwrap();
         let batch = shape[0] as u32;
         let width = positions.len() / shape[0];
         let squares = |row: &[f32]| row.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>();
@@ -524,6 +528,8 @@ impl WorkerRollouts for Device {
         };
         let strained = (0..).zip(positions.chunks(width)).filter(|_| self.strains);
         let strained = strained.map(|(instance, row)| (instance, strain(row)));
+        let pulled = grasps::beyond(asked.plausibility, &positions, width);
+        let pulled = pulled.into_iter().filter(|_| has_poses);
         let implausible: Vec<Implausible> = strained
             .filter(|(_, found)| *found > limit)
             .map(|(instance, found)| Implausible {
@@ -531,8 +537,9 @@ impl WorkerRollouts for Device {
                 reason: "STRAIN".to_owned(),
                 found,
                 limit,
-                frame: 0,
+                ..Implausible::default()
             })
+            .chain(pulled)
             .collect();
         let diverged =
             (advances && self.diverges).then_some(Divergence { instance: 0, frame: 1, node: 0 });

@@ -36,6 +36,10 @@ fn line(found: &Implausible) -> String {
             1e3 * most,
             1e3 * limit
         ),
+        "GRASP_FORCE" => format!(
+            "grasp {} pulls or pushes with {most:.1} N (limit {limit:.1} N): grasp elsewhere or move slower",
+            found.grasp.unwrap_or_default()
+        ),
         other => format!("{other}: {most} (limit {limit})"),
     };
     let frame = if found.frame > 0 { format!(" in frame {}", found.frame) } else { String::new() };
@@ -54,6 +58,7 @@ mod tests {
             found: 0.02,
             limit: 0.005,
             frame: 7,
+            grasp: (reason == "GRASP_FORCE").then_some(1),
         };
         for reason in bendtwin_contract::rollout::ImplausibleReason::ALL {
             let text = warnings(&[found(reason.as_str())]);

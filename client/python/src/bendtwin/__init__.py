@@ -64,7 +64,8 @@ from bendtwin.simulation.costs import (
     Within,
 )
 from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
-from bendtwin.simulation.plan import PlanArguments, PlanUpdate, Search
+from bendtwin.simulation.places import GraspPlaces, grasp_places
+from bendtwin.simulation.plan import GraspSearch, PlanArguments, PlanUpdate, Search
 from bendtwin.simulation.registration import Correction, Registration, Residual, Tracking
 from bendtwin.simulation.rollout import (
     Deviation,
@@ -139,6 +140,8 @@ __all__ = [
     "GivenState",
     "GradientOptions",
     "Grasp",
+    "GraspPlaces",
+    "GraspSearch",
     "Grasping",
     "Ground",
     "Height",
@@ -198,6 +201,7 @@ __all__ = [
     "Within",
     "Worker",
     "World",
+    "grasp_places",
     "interpolate",
     "interpolate_poses",
 ]

@@ -144,7 +144,7 @@ resource! { wire::Implausible =>
 pub struct Implausible {
     /// The instance.
     pub instance: usize,
-    /// START_GAP, CONTROL_SPEED, STRAIN or CONTROL_IN_OBSTACLE.
+    /// START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE or GRASP_FORCE.
     pub reason: String,
     /// Most that was found, in the unit of the limit.
     pub found: f64,
@@ -152,6 +152,9 @@ pub struct Implausible {
     pub limit: f64,
     /// The frame in which it was found; 0 if it is not known.
     pub frame: usize,
+    /// With GRASP_FORCE the grasp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grasp: Option<usize>,
 }
 }
 

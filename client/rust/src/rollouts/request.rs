@@ -372,6 +372,14 @@ impl Rollout {
         self
     }
 
+    /// Limits the mean force of each grasp over a frame [N]: instances beyond it are implausible, and plans
+    /// beyond it worse than all within.
+    #[must_use]
+    pub fn grasp_force_limit(mut self, newtons: f64) -> Self {
+        self.request.plausibility.get_or_insert_default().grasp_force_n = Some(newtons);
+        self
+    }
+
     /// Accepts any motion as plausible: [`Reply::implausible`] stays empty, and nothing is refused.
     ///
     /// [`Reply::implausible`]: super::Reply::implausible

@@ -1,16 +1,27 @@
 //! The check of a request for a plan, and what it leaves of it.
 
 use bendtwin_plan::{Movement, Settings};
-use bendtwin_proto::v1::{PlanRequest, Returns, RollOutRequest};
+use bendtwin_proto::v1::{PlanRequest, Returns, RollOutRequest, initial_state::State};
 
-use super::{Error, Template, settings::settings, space, template};
-use crate::rollout::{self, Batch, Limits, SessionParts, TwinShape, tensors::floats, within};
+use super::{
+    Error, GraspPlaces, Template,
+    places::{check_open, places},
+    settings::settings,
+    space, template,
+};
+use crate::rollout::{
+    self, Batch, Limits, SessionParts, TwinShape,
+    tensors::{floats, indices},
+    within,
+};
 
 /// Most plans that are simulated for one: their costs are kept.
 pub const MOST_PLANS: u64 = 1_000_000;
 /// Copies of a plan's knots that a planner holds together, and of its actions in transit.
 const KNOTS: usize = 8;
 const ACTIONS: usize = 4;
+/// Arrays of the size of a plan that the search of a place keeps, by coordinate and by displacement.
+const PLACE: usize = 12;
 
 /// A request for a plan that has passed the check.
 #[derive(Clone, Debug)]
@@ -27,6 +38,8 @@ pub struct Checked {
     pub nominal: Vec<f64>,
     /// Frames that were executed since it was made.
     pub shift_frames: f64,
+    /// Places to grasp that are searched; none: the plan begins where the nominal plan does.
+    pub places: Option<GraspPlaces>,
     /// Memory of the plans of a batch, and of the planner [bytes].
     pub bytes: u64,
 }
@@ -75,10 +88,16 @@ pub fn check(
     let space = request.space.clone().unwrap_or_default();
     let movement = space::movement(&space, actions, points)?;
     let start = space::start(&space, points, width)?;
-    let settings = settings(&request, of, &one, dims(&movement, points), frame_s)?;
+    let search = request.grasp_search.as_ref();
+    let places = search.map(|search| places(search, of, points)).transpose()?;
+    if let Some(places) = &places {
+        check_open(places, of, &given_phases(of))?;
+    }
+    let count = places.as_ref().map_or(1, GraspPlaces::count);
+    let settings = settings(&request, of, &one, dims(&movement, points), frame_s, count)?;
     let nominal = floats(tensor).map(f64::from).collect();
     let shift_frames = request.shift_frames;
-    let template = Template::new(request.rollout.unwrap_or_default());
+    let template = Template::new(request.rollout.unwrap_or_default(), places.as_ref());
     let batch = largest(&one, &settings)?;
     let gradients = settings.method.needs_gradients();
     template
@@ -86,8 +105,18 @@ pub fn check(
         .map_err(Error::of_rollout)?;
     let plan = (8 * KNOTS * settings.knots).saturating_mul(settings.dims)
         + template.row_bytes().saturating_mul(ACTIONS);
+    let place = (8 * PLACE * settings.knots).saturating_mul(settings.dims + 6 * points);
     let bytes = batch.instances.saturating_mul(plan as u64);
-    Ok(Checked { template, settings, movement, start, nominal, shift_frames, bytes })
+    let bytes = bytes.saturating_add((count as u64).saturating_mul(place as u64));
+    Ok(Checked { template, settings, movement, start, nominal, shift_frames, places, bytes })
+}
+
+/// Phases of the grasps in a given state; empty where they are not given.
+fn given_phases(rollout: &RollOutRequest) -> Vec<u32> {
+    let state = rollout.initial.as_ref().and_then(|initial| initial.state.as_ref());
+    let Some(State::Given(given)) = state else { return Vec::new() };
+    let phases = given.grasping.as_ref().and_then(|grasping| grasping.phases.as_ref());
+    phases.map_or_else(Vec::new, |phases| indices(phases).collect())
 }
 
 /// Number of coordinates of a knot.

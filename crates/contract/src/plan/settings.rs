@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bendtwin_plan::{Bounds, Curve, Limit, Method, Settings};
+use bendtwin_plan::{Bounds, Curve, Limit, Method, Settings, check_places, rounds};
 use bendtwin_proto::v1::{
     Interpolation, KnotTimes, PlanMethod, PlanRequest, RollOutRequest, Tensor, knot_times::Times,
     plan_method, roll_out_request::Actions, tensor::Dtype,
@@ -21,17 +21,26 @@ const RATE: f64 = 0.005;
 /// Samples and iterations of methods that sample, and with a gradient.
 const SAMPLED: [u32; 2] = [64, 1];
 const DESCENDED: [u32; 2] = [1, 20];
+/// Samples of each place without another number, of methods that sample.
+const OF_PLACE: u32 = 8;
 
-/// The settings for a batch of one instance and D coordinates, with `frame_s` seconds a frame.
+/// The settings for a batch of one instance and D coordinates, with `frame_s` seconds a frame, that search
+/// as many `places`.
 pub(super) fn settings(
     request: &PlanRequest,
     rollout: &RollOutRequest,
     batch: &Batch,
     dims: usize,
     frame_s: f64,
+    places: usize,
 ) -> Result<Settings, Error> {
     let method = method(request.method.as_ref())?;
-    let [samples, iterations] = if method.needs_gradients() { DESCENDED } else { SAMPLED };
+    let [mut samples, mut iterations] = if method.needs_gradients() { DESCENDED } else { SAMPLED };
+    if places > 1 {
+        let each = if method.needs_gradients() { 1 } else { OF_PLACE };
+        samples = samples.max(each.saturating_mul(places as u32));
+        iterations = iterations.max(rounds(places) as u32);
+    }
     let or = |given: u32, default: u32| if given == 0 { default as usize } else { given as usize };
     let knots = usize::try_from(batch.knots).unwrap_or(usize::MAX);
     let bounds = request.bounds.clone().unwrap_or_default();
@@ -57,6 +66,7 @@ pub(super) fn settings(
         ..default
     };
     settings.check()?;
+    check_places(&settings, places)?;
     Ok(settings)
 }
 

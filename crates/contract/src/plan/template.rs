@@ -6,6 +6,7 @@ use bendtwin_proto::v1::{
 };
 use prost::Message as _;
 
+use super::GraspPlaces;
 use crate::rollout::{self, Batch, ImplausibleReason, Limits, TwinShape, within};
 
 /// A rollout of one instance whose actions are to be replaced.
@@ -21,27 +22,42 @@ pub struct Template {
     refuses: bool,
     /// Strain of the material beyond which a plan is worse than all that keep it.
     strain_limit: f64,
+    /// The forces of grasps that plans are judged by; none: they are not measured.
+    force: Option<Force>,
+}
+
+/// Forces of grasps that plans are judged by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Force {
+    /// Force beyond which a plan is worse than all that keep it [N]; infinite without a limit.
+    pub limit_n: f64,
+    /// Grasps, by their numbers, of which one must exert a force in a plan; none: a plan need not grasp
+    /// anything.
+    pub takes: Option<Vec<usize>>,
 }
 
 impl Template {
-    /// The template of a checked request of one instance.
-    pub(super) fn new(mut request: RollOutRequest) -> Self {
+    /// The template of a checked request of one instance, whose places to grasp may be searched.
+    pub(super) fn new(mut request: RollOutRequest, places: Option<&GraspPlaces>) -> Self {
         let shape = actions(&request).map(|t| t.shape.iter().map(|d| *d as usize).collect());
         // An encoding or a point set alone asks for nothing.
         let asks =
             |r: &Returns| Returns { encoding: 0, point_set: 0, ..r.clone() } != Returns::default();
         let returns = request.returns.take().filter(asks);
         let refuses = request.plausibility.as_ref().is_some_and(|p| p.refuse);
-        let strain = ImplausibleReason::Strain;
-        let strain_limit = request.plausibility.as_ref().and_then(|limits| strain.limit(limits));
-        let strain_limit = strain_limit.unwrap_or_else(|| strain.default_limit());
+        let limits = request.plausibility.unwrap_or_default();
+        let strain_limit = ImplausibleReason::Strain.limit_or_default(&limits);
+        let limit_n = ImplausibleReason::GraspForce.limit_or_default(&limits);
+        let takes = places.map(|places| places.grasps(&request).collect());
+        let is_judged = limit_n < f64::INFINITY || takes.is_some();
+        let force = is_judged.then_some(Force { limit_n, takes });
         rollout::split::by_instance(&mut request, shared);
         // Factors for one instance are those of an ensemble with one member.
         if request.vary.is_some() && request.ensemble.is_none() {
             let statistic = Statistic::Mean.into();
             request.ensemble = Some(Ensemble { members: 1, statistic, share: 0.0 });
         }
-        Self { request, shape: shape.unwrap_or_default(), returns, refuses, strain_limit }
+        Self { request, shape: shape.unwrap_or_default(), returns, refuses, strain_limit, force }
     }
 
     /// Checks a batch of `instances` against the limits, with or without gradients by actions.
@@ -77,7 +93,8 @@ impl Template {
     }
 
     /// The rollout of plans, shape [S, K, ...] of the actions; with gradients by them if requested.
-    /// The reply lists the strain of each as implausible, regardless of its value.
+    /// The reply lists the strain of each, and the forces of grasps that plans are judged by, as implausible,
+    /// regardless of their values.
     pub fn batch(&self, plans: &[Vec<f64>], gradients: bool) -> RollOutRequest {
         let mut request = self.unset_batch(gradients);
         self.set(&mut request, plans);
@@ -136,6 +153,11 @@ impl Template {
         self.strain_limit
     }
 
+    /// The forces of grasps that plans are judged by, if they are.
+    pub fn force(&self) -> Option<&Force> {
+        self.force.as_ref()
+    }
+
     /// The request, with the nominal plan as its actions.
     pub fn request(&self) -> &RollOutRequest {
         &self.request
@@ -149,7 +171,9 @@ impl Template {
     /// The rollout of a batch before it has plans.
     fn unset_batch(&self, gradients: bool) -> RollOutRequest {
         let plausibility = self.request.plausibility.unwrap_or_default();
-        let plausibility = Plausibility { refuse: false, strain: Some(0.0), ..plausibility };
+        let grasp_force_n = self.force.is_some().then_some(0.0);
+        let strain = Some(0.0);
+        let plausibility = Plausibility { refuse: false, strain, grasp_force_n, ..plausibility };
         let mut request = self.request.clone();
         // Plans are compared by their costs alone.
         request.costs.iter_mut().for_each(|cost| cost.success_at_most = None);

@@ -1,20 +1,21 @@
 //! The check of plans.
 
 use bendtwin_contract::{
-    plan::{Checked, Error, MOST_PLANS, check},
+    plan::{Checked, Error, Force as Judged, MOST_PLANS, check},
     rollout::{self, Limits, SessionParts, TwinShape},
 };
 use bendtwin_contract_kit::plan as cases;
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_plan::Movement;
 use bendtwin_proto::v1::{
-    ActionSpace, Cost, Ensemble, InitialState, KnotTimes, PlanBounds, PlanRequest, Plausibility,
-    Returns, Tensor, Vary, World,
+    ActionSpace, Cost, Ensemble, Grasp, GraspSearch, Grasping, InitialState, KnotTimes, PlanBounds,
+    PlanMethod, PlanRequest, Plausibility, Returns, Tensor, Vary, World,
     action_space::Coordinates,
     cost::{Clearance, Force, Kind, force::By},
     ensemble::Statistic,
     initial_state::{GivenState, State},
     knot_times::Times,
+    plan_method::Method,
     roll_out_request::Actions,
 };
 use proptest::{collection::vec, num, prelude::*};
@@ -124,6 +125,88 @@ fn every_strain_of_a_batch_is_reported_and_its_limit_is_the_callers() {
 }
 
 #[test]
+fn forces_of_a_batch_are_reported_if_plans_are_judged_by_them() {
+    let template = |request: PlanRequest| {
+        let template = checked(request).unwrap().template;
+        let batch = template.batch(&[vec![0.0; 42]], false);
+        (template.force().cloned(), batch.plausibility.unwrap().grasp_force_n)
+    };
+    let with_limit = |grasp_force_n, mut request: PlanRequest| {
+        let plausibility = Plausibility { grasp_force_n, ..Plausibility::default() };
+        request.rollout.as_mut().unwrap().plausibility = Some(plausibility);
+        request
+    };
+    let without_search = || PlanRequest { grasp_search: None, ..cases::sound_with_places(&TWIN) };
+    assert_eq!(template(without_search()), (None, None));
+    assert_eq!(template(with_limit(Some(f64::INFINITY), without_search())), (None, None));
+    let limited = Judged { limit_n: 4.0, takes: None };
+    assert_eq!(template(with_limit(Some(4.0), without_search())), (Some(limited), Some(0.0)));
+    // A search is told whether its gripper, not another, takes hold of something.
+    let mut search = with_limit(None, cases::sound_with_places(&TWIN));
+    let grasps = &mut search.rollout.as_mut().unwrap().grasps;
+    grasps.insert(0, Grasp { gripper: 1, ..grasps[0].clone() });
+    let judged = Judged { limit_n: f64::INFINITY, takes: Some(vec![1]) };
+    assert_eq!(template(search), (Some(judged), Some(0.0)));
+}
+
+#[test]
+fn places_are_taken_over_with_what_they_take() {
+    let sound = || cases::sound_with_places(&TWIN);
+    let mut moved = sound();
+    let poses: Vec<f32> = (0..3).flat_map(|p| [p as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]).collect();
+    let poses = Some(Tensor::pack(&[3, 1, 7], &poses));
+    moved.grasp_search = Some(GraspSearch { poses, grippers: vec![0] });
+    let places = checked(moved).unwrap().places.unwrap();
+    assert_eq!((places.count(), &places.grippers[..]), (3, &[0][..]));
+    // Only the gripper that is searched moves.
+    let row: Vec<f64> = (0..14).map(f64::from).collect();
+    let at = places.at(2, &row);
+    assert_eq!((&at[..7], &at[7..]), (&[2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0][..], &row[7..]));
+    // Defaults are as many as the places need; memory is that of all of them.
+    let defaults = |method| {
+        let request = PlanRequest { samples: 0, iterations: 0, method, ..sound() };
+        let checked = checked(request).unwrap();
+        (checked.settings.samples, checked.settings.iterations)
+    };
+    assert_eq!(defaults(None), (64, 3));
+    let gradient = Method::Gradient(Default::default());
+    assert_eq!(defaults(Some(PlanMethod { method: Some(gradient) })), (3, 20));
+    let bytes = |count: usize| {
+        let poses = cases::sound_with_places(&TWIN).grasp_search.unwrap().poses.unwrap();
+        let (_, pose) = poses.unpack::<f32>("poses").unwrap();
+        let poses = Some(Tensor::pack(&[count, 1, 7], &pose[..7].repeat(count)));
+        let search = Some(GraspSearch { poses, grippers: vec![0] });
+        let request = PlanRequest { grasp_search: search, samples: 768, iterations: 9, ..sound() };
+        checked(request).unwrap().bytes
+    };
+    // Knots, best plans and spreads of twelve coordinates.
+    assert!(bytes(256) - bytes(2) > 254 * 6 * 8 * 3 * 12);
+    // Open grasps, and ones that begin open, may be moved.
+    let begins = |closed: Option<Tensor>, phase: u32| {
+        let mut request = sound();
+        let rollout = request.rollout.as_mut().unwrap();
+        rollout.grasps[0].closed = closed;
+        let nodes = TWIN.nodes as usize;
+        let points = || Some(Tensor::pack_points(&[nodes], &vec![[0.0; 3]; nodes]));
+        let given = GivenState {
+            positions: points(),
+            grasping: Some(Grasping {
+                phases: Some(Tensor::pack(&[1], &[phase])),
+                holders: Some(Tensor::pack(&[nodes], &vec![0u32; nodes])),
+                places: points(),
+            }),
+            ..GivenState::default()
+        };
+        rollout.initial = Some(InitialState { state: Some(State::Given(given)) });
+        checked(request).map(drop)
+    };
+    let closed = |values: &[u32]| Some(Tensor::pack(&[values.len()], values));
+    assert_eq!(begins(None, 0), Ok(()));
+    assert_eq!(begins(closed(&[0, 1, 1]), 1), Ok(()));
+    assert!(begins(closed(&[1, 1, 0]), 1).is_err());
+}
+
+#[test]
 fn costs_of_a_session_have_its_colliders_and_grasps() {
     let session = SessionParts { colliders: 1, grasps: 1 };
     let with = |kind, session| {
@@ -212,6 +295,7 @@ proptest! {
         start in vec(num::f32::ANY, 0..8),
         (correlation, deadline_s, shift_frames) in (num::f64::ANY, num::f64::ANY, num::f64::ANY),
         has_poses in any::<bool>(),
+        grasping in prop::option::of((vec(num::f32::ANY, 0..30), vec(0..3u32, 0..3))),
     ) {
         let floats = |values: &[f32]| (!values.is_empty()).then(|| Tensor::pack(&[values.len()], values));
         let rows = start.len() / 3;
@@ -222,7 +306,18 @@ proptest! {
             group_of_control: (!groups.is_empty()).then(|| Tensor::pack(&[groups.len()], &groups)),
             start: (rows > 0).then_some(if has_poses { poses } else { points }),
         };
-        let good = if has_poses { cases::sound_with_poses(&TWIN) } else { cases::sound(&TWIN) };
+        let mut good = match (&grasping, has_poses) {
+            (Some(_), true) => cases::sound_with_places(&TWIN),
+            (None, true) => cases::sound_with_poses(&TWIN),
+            (_, false) => cases::sound(&TWIN),
+        };
+        if let Some((values, grippers)) = grasping.filter(|(values, _)| !values.is_empty()) {
+            let width = 7 * grippers.len().max(1);
+            let places = values.len() / width;
+            let shape = [places, grippers.len().max(1), 7];
+            let poses = Some(Tensor::pack(&shape, &values[..places * width]));
+            good.grasp_search = Some(GraspSearch { poses, grippers });
+        }
         let request = PlanRequest {
             samples: if small { samples % 9 } else { samples },
             iterations: if small { iterations % 9 } else { iterations },

@@ -11,12 +11,15 @@ use bendtwin_proto::v1::{Plausibility as Wire, roll_out_response::Implausible};
 
 use crate::{error::Error, request::actions::Stopped, world::Path};
 
+/// Force [N] and torque [N m] at unit mass.
+type Wrench = [f32; 6];
+
 /// Limits of plausible motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Plausibility(Wire);
 
-/// Extremes of an instance's actions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Extremes of an instance's actions, and of the forces of its grasps.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Extremes {
     /// Between the initial state's control points and row 0 of the actions [m].
     pub(crate) start_gap_m: f32,
@@ -27,6 +30,8 @@ pub(crate) struct Extremes {
     pub(crate) depth: (f32, usize),
     /// The most that a hand was held back at the ground [m].
     pub(crate) stopped_m: f32,
+    /// Largest mean force of each grasp over a frame [N], and the frame; empty if they are not measured.
+    pub(crate) grasp_forces: Vec<(f32, usize)>,
 }
 
 impl Extremes {
@@ -39,6 +44,20 @@ impl Extremes {
             self.depth = (asked, stopped.frame);
         }
         self
+    }
+
+    /// Takes in the forces of grasps, of which there are `grasps`, over the frames after the first `from`;
+    /// `unit` is in newtons.
+    pub(crate) fn see_forces(&mut self, forces: &[Wrench], grasps: usize, from: usize, unit: f32) {
+        self.grasp_forces.resize(grasps, (0.0, 0));
+        for (frame, row) in forces.chunks_exact(grasps.max(1)).enumerate() {
+            for (most, [x, y, z, ..]) in self.grasp_forces.iter_mut().zip(row) {
+                let force = unit * length([*x, *y, *z]);
+                if force > most.0 {
+                    *most = (force, from + frame + 1);
+                }
+            }
+        }
     }
 }
 
@@ -72,7 +91,12 @@ impl Plausibility {
     /// Depth below the ground that hands may have beyond that with which they began [m].
     pub(crate) fn allowed_depth_m(&self) -> f32 {
         let reason = Reason::ControlInObstacle;
-        reason.limit(&self.0).unwrap_or_else(|| reason.default_limit()) as f32
+        reason.limit_or_default(&self.0) as f32
+    }
+
+    /// True if there is a limit of the forces of grasps.
+    pub(crate) fn limits_grasp_force(&self) -> bool {
+        Reason::GraspForce.limit_or_default(&self.0) < f64::INFINITY
     }
 
     /// True if implausible motion is an error.
@@ -88,23 +112,26 @@ impl Plausibility {
         rollout: Option<&Rollout>,
     ) -> Vec<Implausible> {
         let strain = rollout.and_then(|r| r.diagnostics).map_or(0.0, |d| d.max_strain);
-        let beyond = |reason: Reason| {
-            let (found, frame) = match reason {
-                Reason::StartGap => (extremes.start_gap_m, 0),
-                Reason::ControlSpeed => extremes.speed,
-                Reason::Strain => (strain, 0),
-                Reason::ControlInObstacle => extremes.depth,
-            };
-            let limit = reason.limit(&self.0).unwrap_or_else(|| reason.default_limit());
+        let grasps = extremes.grasp_forces.iter().zip(0u32..);
+        let found = [
+            (Reason::StartGap, (extremes.start_gap_m, 0), None),
+            (Reason::ControlSpeed, extremes.speed, None),
+            (Reason::Strain, (strain, 0), None),
+            (Reason::ControlInObstacle, extremes.depth, None),
+        ];
+        let forces = grasps.map(|(force, grasp)| (Reason::GraspForce, *force, Some(grasp)));
+        let beyond = |(reason, (found, frame), grasp): (Reason, (f32, usize), Option<u32>)| {
+            let limit = reason.limit_or_default(&self.0);
             (f64::from(found) > limit).then(|| Implausible {
                 instance: instance as u32,
                 reason: reason.as_str().to_owned(),
                 found: found.into(),
                 limit,
                 frame: frame as u32,
+                grasp,
             })
         };
-        Reason::ALL.into_iter().filter_map(beyond).collect()
+        found.into_iter().chain(forces).filter_map(beyond).collect()
     }
 
     /// Refuses the first of these, if the request says so.
@@ -194,7 +221,7 @@ fn distance(shape: &Shape, p: Point) -> f32 {
 }
 
 fn describe(what: &Implausible) -> String {
-    let Implausible { instance, reason, found, limit, frame } = what;
+    let Implausible { instance, reason, found, limit, frame, grasp } = what;
     let Some(reason) = Reason::ALL.into_iter().find(|r| r.as_str() == reason) else {
         return format!("instance {instance} is beyond the limit of {limit}");
     };
@@ -223,6 +250,13 @@ fn describe(what: &Implausible) -> String {
                 "a control point, grasp or held node of instance {instance} is {found_mm:.1} mm deeper in the ground or a collider in frame {frame} than it began (limit {limit_mm:.1} mm)"
             ),
             "lift its path",
+        ),
+        Reason::GraspForce => (
+            format!(
+                "grasp {} of instance {instance} exerts {found:.2} N in frame {frame} (limit {limit:.2})",
+                grasp.unwrap_or_default()
+            ),
+            "grasp elsewhere, or move slower",
         ),
     };
     format!("{fault}: {advice}, or raise plausibility.{}", reason.field())

@@ -250,7 +250,9 @@ impl Execution<'_> {
         let keeps_states = asked.final_state || arrays && self.keeps_states;
         // Which nodes grasps have taken on the way is known from what they hold at the end.
         let final_state = keeps_states || self.plan.surroundings.has_pins();
-        let outputs = Outputs { frame_costs, final_state, ..asked };
+        let forces = asked.forces || self.plan.limits_grasp_force();
+        let keeps_forces = asked.forces;
+        let outputs = Outputs { frame_costs, final_state, forces, ..asked };
         let mut means = MeanMotions::new(self.plan);
         let outputs = means.as_ref().map_or(outputs.clone(), |means| means.outputs(outputs));
         let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
@@ -276,11 +278,15 @@ impl Execution<'_> {
                 });
                 costs.settle(&mut rollout, &instance.controls);
                 let end = rollout.final_state.as_ref();
-                let extremes = self.plan.extremes(*index, of, self.starts, end);
+                let mut extremes = self.plan.extremes(*index, of, self.starts, end);
+                self.plan.see_forces(*index, &rollout, 0, &mut extremes);
                 simulated.extremes.push(extremes);
                 let kept = |mut rollout: Rollout| {
                     if !keeps_states {
                         rollout.final_state = None;
+                    }
+                    if !keeps_forces {
+                        rollout.forces = None;
                     }
                     if arrays {
                         returns.recorded.place(&self.plan.twin().skin, &mut rollout);

@@ -284,6 +284,25 @@ impl Plan {
         self.twin().newtons_per_unit() as f32 * self.variant(index).mass
     }
 
+    /// True if forces of grasps are measured because there is a limit.
+    pub(crate) fn limits_grasp_force(&self) -> bool {
+        self.grasps > 0 && self.plausibility.limits_grasp_force()
+    }
+
+    /// Takes the forces of the grasps of an instance, over the frames after the first `from`, into its
+    /// extremes, if there is a limit.
+    pub(crate) fn see_forces(
+        &self,
+        index: usize,
+        rollout: &Rollout,
+        from: usize,
+        extremes: &mut Extremes,
+    ) {
+        if let Some(forces) = rollout.forces.as_ref().filter(|_| self.limits_grasp_force()) {
+            extremes.see_forces(&forces.grasps, self.grasps, from, self.force_unit(index));
+        }
+    }
+
     /// Extremes of what is prescribed to an instance, whose hands were `stopped`; `end` is its last
     /// state, if that is known.
     pub(crate) fn extremes(

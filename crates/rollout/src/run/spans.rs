@@ -68,7 +68,8 @@ impl Execution<'_> {
     /// Outputs of the engine over a span. A cost that looks back needs the positions of all frames.
     fn outputs(&self) -> Outputs {
         let asked = self.plan.returns.outputs();
-        let outputs = Outputs { frame_costs: true, final_state: true, ..asked };
+        let forces = asked.forces || self.plan.limits_grasp_force();
+        let outputs = Outputs { frame_costs: true, final_state: true, forces, ..asked };
         if self.plan.costs.look_back() {
             return Outputs { every: 1, nodes: None, ..outputs };
         }

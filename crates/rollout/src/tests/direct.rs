@@ -2,7 +2,10 @@
 //! limit ends between two of them.
 
 use std::{
-    sync::{Arc, Mutex},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
@@ -19,11 +22,13 @@ use crate::RolloutBackend;
 pub(super) struct Direct {
     backend: Arc<dyn Backend>,
     compute: Mutex<Duration>,
+    /// True once forces were measured.
+    pub(super) has_measured: AtomicBool,
 }
 
 impl Direct {
     pub(super) fn new(backend: Arc<dyn Backend>) -> Self {
-        Self { backend, compute: Mutex::default() }
+        Self { backend, compute: Mutex::default(), has_measured: AtomicBool::default() }
     }
 }
 
@@ -46,6 +51,7 @@ impl Backend for Direct {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
+        self.has_measured.fetch_or(outputs.forces, Ordering::Relaxed);
         self.backend.roll_out(batch, outputs, cancel)
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {

@@ -2,6 +2,7 @@
 //! the CPU.
 
 mod fits;
+mod forces;
 mod links;
 mod mean;
 mod spans;

@@ -9,7 +9,11 @@ use bendtwin_proto::v1::{
 };
 use tokio::time::Instant;
 
-use super::{beside::beside, evaluation::Costs, start::Parts};
+use super::{
+    beside::beside,
+    evaluation::{Costs, Extremes},
+    start::Parts,
+};
 use crate::{
     context::Context,
     dispatch::{Dispatch, ReplyHold, RollOut, Whole},
@@ -26,10 +30,12 @@ pub(super) struct Run {
     began: Instant,
     /// The end of the call.
     deadline: Instant,
-    /// Names of the cost terms, and their values and the strain for the best plan so far.
+    /// Names of the cost terms, and their values and the extremes of the best plan so far.
     names: Vec<String>,
     terms: Vec<f64>,
-    strain: f64,
+    extremes: Extremes,
+    /// True once a plan has grasped something, or if none need.
+    has_grasped: bool,
     is_first: bool,
     /// The next batch; none once there is no other.
     next: Option<RollOutRequest>,
@@ -59,7 +65,8 @@ impl Run {
             deadline,
             names: Vec::new(),
             terms: Vec::new(),
-            strain: 0.0,
+            extremes: Extremes::default(),
+            has_grasped: false,
             is_first: true,
             next: None,
             _request: request,
@@ -140,13 +147,15 @@ impl Run {
     async fn learned(mut self: Box<Self>, reply: RollOutResponse) -> Result<Box<Self>> {
         let (bytes, elapsed) = (self.parts.bytes, self.began.elapsed());
         let work = move || {
-            let Parts { search, space, template, .. } = &mut self.parts;
+            let Parts { search, spaces, template, .. } = &mut self.parts;
             let gradients = search.settings().method.needs_gradients();
-            let costs = Costs::read(reply, search.batch(), space, gradients, template)?;
-            let place = search.learn(costs.evaluation.clone(), elapsed).map_err(failed)?;
-            if let Some(place) = place {
-                self.terms = costs.of(place);
-                self.strain = costs.strain_of(place);
+            let plans = search.batch().map(|(place, knots)| (&spaces[place], knots));
+            let costs = Costs::read(reply, plans, gradients, template)?;
+            self.has_grasped |= costs.has_grasped;
+            let learned = search.learn(costs.evaluation.clone(), elapsed);
+            if let Some(best) = learned.map_err(|e| failed(e, self.has_grasped))? {
+                self.terms = costs.of(best);
+                self.extremes = costs.extremes_of(best);
                 self.names = costs.names;
             }
             Ok(self)
@@ -158,12 +167,12 @@ impl Run {
     async fn proposed(mut self: Box<Self>) -> Result<Box<Self>> {
         let (bytes, elapsed) = (self.parts.bytes, self.began.elapsed());
         let work = move || {
-            let Parts { search, space, template, .. } = &mut self.parts;
+            let Parts { search, spaces, template, .. } = &mut self.parts;
             let gradients = search.settings().method.needs_gradients();
-            let plans = search.propose(elapsed);
-            let actions: Option<Vec<_>> =
-                plans.map(|plans| plans.iter().map(|knots| space.actions(knots)).collect());
-            self.next = actions.map(|actions| template.batch(&actions, gradients));
+            self.next = search.propose(elapsed).then(|| {
+                let plans = search.batch().map(|(place, knots)| spaces[place].actions(knots));
+                template.batch(&plans.collect::<Vec<_>>(), gradients)
+            });
             self
         };
         beside(bytes, work).await
@@ -171,12 +180,13 @@ impl Run {
 
     /// The best so far.
     fn best(&self) -> Result<PlanUpdate> {
-        let Parts { search, space, template, .. } = &self.parts;
-        let best = search.progress().ok_or(Error::EveryPlanDiverged)?;
-        let settings = search.settings();
+        let Parts { search, spaces, searches_grasps, template, .. } = &self.parts;
+        let (place, best) = search.progress().ok_or(Error::EveryPlanDiverged)?;
+        let (settings, force) = (search.settings(), template.force());
+        let costs = || search.costs();
         let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         Ok(PlanUpdate {
-            knots: Some(template.actions(&space.actions(best.knots))),
+            knots: Some(template.actions(&spaces[place].actions(best.knots))),
             coordinates: Some(Tensor::pack(&[settings.knots, settings.dims], best.knots)),
             cost: best.cost,
             cost_names: self.names.clone(),
@@ -190,21 +200,22 @@ impl Run {
             time_s: self.began.elapsed().as_secs_f64(),
             last: false,
             rollout: None,
-            strain: self.strain,
+            strain: self.extremes.strain,
             strain_limit: template.strain_limit(),
             overstrained: count(best.beyond_limit),
-            grasp: None,
-            grasp_costs: None,
-            grasp_force_n: None,
-            grasp_force_limit_n: None,
+            grasp: searches_grasps.then(|| count(place)),
+            grasp_costs: searches_grasps.then(|| Tensor::pack(&[spaces.len()], &costs())),
+            grasp_force_n: force.map(|_| self.extremes.force_n),
+            grasp_force_limit_n: force.map(|force| force.limit_n).filter(|limit| limit.is_finite()),
         })
     }
 
     /// The rollout of the best plan, if returns were asked for.
     async fn last(&mut self) -> Result<Option<RollOutResponse>> {
-        let Parts { search, space, template, .. } = &self.parts;
-        let best = search.progress().ok_or(Error::EveryPlanDiverged)?;
-        let Some(request) = template.last(&space.actions(best.knots)) else { return Ok(None) };
+        let Parts { search, spaces, template, .. } = &self.parts;
+        let (place, best) = search.progress().ok_or(Error::EveryPlanDiverged)?;
+        let actions = spaces[place].actions(best.knots);
+        let Some(request) = template.last(&actions) else { return Ok(None) };
         let left = self.deadline.saturating_duration_since(Instant::now());
         let Whole { response, held } = self.simulate(request, left).await?;
         self.held = Some(held.memory());
@@ -220,8 +231,10 @@ fn origin(best: &Progress<'_>) -> WireOrigin {
     }
 }
 
-fn failed(error: bendtwin_plan::Error<Infallible>) -> Error {
+/// The error of a search, where a plan may have grasped something.
+fn failed(error: bendtwin_plan::Error<Infallible>, has_grasped: bool) -> Error {
     match error {
+        bendtwin_plan::Error::EveryPlanDiverged if !has_grasped => Error::NothingGrasped,
         bendtwin_plan::Error::EveryPlanDiverged => Error::EveryPlanDiverged,
         other => Error::Internal(format!("a worker's reply to plans: {other}")),
     }

@@ -1,11 +1,14 @@
-//! The start of a plan: where things are, and the nominal plan in coordinates.
+//! The start of a plan: where things are, and the nominal plan in coordinates, of each place to grasp.
 
 use bendtwin_contract::plan::{self, Checked, Template};
-use bendtwin_plan::{Invalid, Planner, Search, Space};
-use bendtwin_proto::v1::{
-    GetSessionStatesRequest, RollOutRequest, Tensor,
-    initial_state::{GivenState, SessionSlots, State},
-    roll_out_request::Actions,
+use bendtwin_plan::{Invalid, Movement, PlaceSearch, Space};
+use bendtwin_proto::{
+    tensor::TensorError,
+    v1::{
+        GetSessionStatesRequest, RollOutRequest, Tensor,
+        initial_state::{GivenState, SessionSlots, State},
+        roll_out_request::Actions,
+    },
 };
 use tokio::time::Instant;
 
@@ -14,10 +17,13 @@ use crate::{
     error::{Error, Result},
 };
 
-/// Search, space and rollout of a plan.
+/// Search, spaces and rollout of a plan.
 pub(super) struct Parts {
-    pub(super) search: Search<Planner>,
-    pub(super) space: Space,
+    pub(super) search: PlaceSearch,
+    /// The space of each place to begin at.
+    pub(super) spaces: Vec<Space>,
+    /// True if places to grasp are searched.
+    pub(super) searches_grasps: bool,
     pub(super) template: Template,
     /// Bytes of the plans of a batch.
     pub(super) bytes: u64,
@@ -35,23 +41,43 @@ impl Dispatch {
         }
         let controls = match request.initial.as_ref().and_then(|i| i.state.as_ref()) {
             Some(State::Given(GivenState { controls, .. })) => controls.clone(),
-            Some(State::Session(SessionSlots { session, slots })) => {
-                let slots = vec![slots.first().copied().unwrap_or(0)];
-                let call = GetSessionStatesRequest { name: session.clone(), slots };
-                let left = deadline.saturating_duration_since(Instant::now());
-                let (states, _) = self.session_states(call, Some(left), false).await?;
-                states.states.and_then(|s| s.controls)
-            }
+            Some(State::Session(slots)) => self.state_of(slots, deadline).await?.controls,
             _ => None,
         };
         controls.filter(|t| !t.is_absent()).map(|t| values(&t)).transpose()
     }
+
+    /// Refuses a search of places to grasp in a session whose slot holds something already. The contract
+    /// checks states that requests give.
+    pub(super) async fn opens_to(&self, checked: &Checked, deadline: Instant) -> Result<()> {
+        let request = checked.template.request();
+        let state = request.initial.as_ref().and_then(|initial| initial.state.as_ref());
+        let (Some(places), Some(State::Session(slots))) = (&checked.places, state) else {
+            return Ok(());
+        };
+        let grasping = self.state_of(slots, deadline).await?.grasping;
+        let phases = grasping.and_then(|grasping| grasping.phases).filter(|t| !t.is_absent());
+        let Some(phases) = phases else { return Ok(()) };
+        let internal = |e: TensorError| Error::Internal(format!("the grasps of a session: {e}"));
+        let (_, phases) = phases.unpack::<u32>("phases").map_err(internal)?;
+        plan::check_open(places, request, &phases).map_err(Error::Plan)
+    }
+
+    /// State of the first of the slots that a rollout begins in.
+    async fn state_of(&self, at: &SessionSlots, deadline: Instant) -> Result<GivenState> {
+        let slots = vec![at.slots.first().copied().unwrap_or(0)];
+        let call = GetSessionStatesRequest { name: at.session.clone(), slots };
+        let left = deadline.saturating_duration_since(Instant::now());
+        let (states, _) = self.session_states(call, Some(left), false).await?;
+        Ok(states.states.unwrap_or_default())
+    }
 }
 
-/// The planner of a checked request, with its nominal plan moved on and begun where control points
-/// are.
+/// The search of a checked request, with its nominal plan moved on and begun where control points are, or
+/// at each place to grasp.
 pub(super) fn search(checked: Checked, controls: Option<Vec<f64>>) -> Result<Parts> {
-    let Checked { template, settings, movement, start, nominal, shift_frames, bytes } = checked;
+    let Checked { template, settings, movement, start, nominal, shift_frames, places, bytes } =
+        checked;
     let row = nominal.len() / settings.knots.max(1);
     let begun = |actions: &[f64]| {
         let start = start.clone().unwrap_or_else(|| actions[..row].to_vec());
@@ -66,12 +92,30 @@ pub(super) fn search(checked: Checked, controls: Option<Vec<f64>>) -> Result<Par
     if let Some(controls) = controls.filter(|controls| controls.len() == row) {
         actions[..row].copy_from_slice(&controls);
     }
-    let mut space = begun(&actions);
-    let knots = space.around(space.displacements(&actions));
+    let begins = match &places {
+        None => vec![(begun(&actions), actions)],
+        Some(places) => (0..places.count())
+            .map(|place| {
+                let moved = moved(&actions, &places.at(place, &actions[..row]), &movement);
+                let start = start.as_deref().unwrap_or(&actions[..row]);
+                (Space::new(places.at(place, start), &movement), moved)
+            })
+            .collect(),
+    };
+    let begin = |(mut space, actions): (Space, Vec<f64>)| {
+        let knots = space.around(space.displacements(&actions));
+        (space, knots)
+    };
+    let (spaces, nominals) = begins.into_iter().map(begin).unzip();
     let invalid = |invalid: Invalid| Error::Plan(plan::Error::from(invalid));
-    let mut planner = Planner::new(settings).map_err(invalid)?;
-    planner.set_nominal(knots).map_err(invalid)?;
-    Ok(Parts { search: planner.into_search(), space, template, bytes })
+    let search = PlaceSearch::new(settings, nominals).map_err(invalid)?;
+    Ok(Parts { search, spaces, searches_grasps: places.is_some(), template, bytes })
+}
+
+/// Actions that begin in another row, and move from there by the same displacements.
+fn moved(actions: &[f64], row: &[f64], movement: &Movement) -> Vec<f64> {
+    let of = |start: &[f64]| Space::new(start.to_vec(), movement);
+    of(row).displaced(&of(&actions[..row.len()]).displacements(actions))
 }
 
 fn values(tensor: &Tensor) -> Result<Vec<f64>> {

@@ -21,10 +21,11 @@ use crate::{
 };
 
 /// The twin of the tests' workers, as the cases have it.
-const TWIN: TwinShape = TwinShape { skin_points: Some(9), has_capture: false, ..rollouts::TWIN };
+pub(super) const TWIN: TwinShape =
+    TwinShape { skin_points: Some(9), has_capture: false, ..rollouts::TWIN };
 
 /// A server with a worker whose costs are lowest at the origin, and a twin.
-async fn started(device: Device) -> (Server, Worker, String) {
+pub(super) async fn started(device: Device) -> (Server, Worker, String) {
     let server = Server::start().await;
     let mut worker = Worker::register_with(&server, Device { bowl: true, ..device }).await;
     let twin = rollouts::twin(&server, &mut worker).await;
@@ -48,7 +49,10 @@ fn with(twin: &str, method: Method) -> PlanRequest {
     PlanRequest { method: Some(PlanMethod { method: Some(method) }), ..request(twin) }
 }
 
-async fn planned(server: &Server, request: PlanRequest) -> Result<Vec<PlanUpdate>, Status> {
+pub(super) async fn planned(
+    server: &Server,
+    request: PlanRequest,
+) -> Result<Vec<PlanUpdate>, Status> {
     let mut stream = server.planning().plan(request).await?.into_inner();
     let mut updates = Vec::new();
     while let Some(update) = stream.message().await? {

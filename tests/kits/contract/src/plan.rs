@@ -2,13 +2,18 @@
 
 use bendtwin_contract::rollout::TwinShape;
 use bendtwin_proto::v1::{
-    ActionSpace, GripperPoses, PlanBounds, PlanMethod, PlanRequest, RollOutRequest, Tensor,
+    ActionSpace, Grasp, GraspSearch, Grasping, GripperPoses, InitialState, PlanBounds, PlanMethod,
+    PlanRequest, RollOutRequest, Sphere, Tensor,
     action_space::Coordinates,
+    grasp::{CaptureHand, Region},
+    initial_state::{GivenState, State},
     plan_method::{Cem, Gradient, Method, Mppi},
     roll_out_request::Actions,
 };
 
 use crate::rollout;
+
+const POSE: [f32; 7] = [0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0];
 
 /// A malformed request.
 #[derive(Clone, Debug)]
@@ -34,11 +39,24 @@ pub fn sound(twin: &TwinShape) -> PlanRequest {
 /// The same with poses of one gripper.
 pub fn sound_with_poses(twin: &TwinShape) -> PlanRequest {
     let good = sound(twin);
-    let pose = [0.0f32, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0];
-    let poses = Some(Tensor::pack(&[1, 3, 1, 7], &pose.repeat(3)));
+    let poses = Some(Tensor::pack(&[1, 3, 1, 7], &POSE.repeat(3)));
     let actions = Some(Actions::Poses(GripperPoses { poses, ..GripperPoses::default() }));
     let rollout = good.rollout.map(|rollout| RollOutRequest { actions, ..rollout });
     PlanRequest { rollout, ..good }
+}
+
+/// The same with two grippers, of which the first takes nodes at three places.
+pub fn sound_with_places(twin: &TwinShape) -> PlanRequest {
+    let mut good = sound_with_poses(twin);
+    let poses = Some(Tensor::pack(&[1, 3, 2, 7], &POSE.repeat(6)));
+    let region = Some(Region::Sphere(Sphere { center: Vec::new(), radius_m: 0.03 }));
+    if let Some(rollout) = &mut good.rollout {
+        rollout.actions = Some(Actions::Poses(GripperPoses { poses, ..GripperPoses::default() }));
+        rollout.grasps = vec![Grasp { region, ..Grasp::default() }];
+    }
+    let poses = Some(Tensor::pack(&[3, 1, 7], &POSE.repeat(3)));
+    let grasp_search = Some(GraspSearch { poses, grippers: vec![0] });
+    PlanRequest { grasp_search, samples: 9, iterations: 3, ..good }
 }
 
 /// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast
@@ -62,7 +80,8 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     add("a million instances", "number of instances", samples(1_000_000, 1));
     add("2^32 - 1 iterations", "number of plans", samples(4, u32::MAX));
     add("2^32 - 1 samples", "number of plans", samples(u32::MAX, 1));
-    for (what, names, request) in numbers(&good).into_iter().chain(spaces(&good, twin)) {
+    let faults = numbers(&good).into_iter().chain(spaces(&good, twin)).chain(places(twin));
+    for (what, names, request) in faults {
         add(what, names, request);
     }
     cases
@@ -158,5 +177,65 @@ fn spaces(good: &PlanRequest, twin: &TwinShape) -> Named {
         ),
         ("a start of another shape", "`space.start`", space(start(0.0, controls + 1))),
         ("a start that is NaN", "`space.start`", space(start(f32::NAN, controls))),
+    ]
+}
+
+/// Faults of a search of places to grasp.
+fn places(twin: &TwinShape) -> Named {
+    let good = sound_with_places(twin);
+    let search = |shape: &[usize], values: &[f32], grippers: &[u32]| PlanRequest {
+        grasp_search: Some(GraspSearch {
+            poses: Some(Tensor::pack(shape, values)),
+            grippers: grippers.to_vec(),
+        }),
+        ..good.clone()
+    };
+    let some = |places: usize, grippers: usize, of: &[u32]| {
+        search(&[places, grippers, 7], &POSE.repeat(places * grippers), of)
+    };
+    let with = |change: &dyn Fn(&mut RollOutRequest)| {
+        let mut request = good.clone();
+        request.rollout.as_mut().map(change);
+        request
+    };
+    let nodes = twin.nodes as usize;
+    let held = |phase: u32| GivenState {
+        positions: Some(Tensor::pack_points(&[nodes], &vec![[0.0; 3]; nodes])),
+        grasping: Some(Grasping {
+            phases: Some(Tensor::pack(&[1], &[phase])),
+            holders: Some(Tensor::pack(&[nodes], &vec![0u32; nodes])),
+            places: Some(Tensor::pack_points(&[nodes], &vec![[0.0; 3]; nodes])),
+        }),
+        ..GivenState::default()
+    };
+    let from = |state: GivenState| {
+        with(&|r| r.initial = Some(InitialState { state: Some(State::Given(state.clone())) }))
+    };
+    let mut of_zeros = POSE.repeat(3);
+    of_zeros[10..14].fill(0.0);
+    let mut infinite = POSE.repeat(3);
+    infinite[7] = f32::INFINITY;
+    let of_points = PlanRequest { grasp_search: good.grasp_search.clone(), ..sound(twin) };
+    let none = Some(GraspSearch { poses: None, grippers: vec![0] });
+    let hand = Some(Region::Hand(CaptureHand { hand: 0 }));
+    vec![
+        ("places of points", "`grasp_search`", of_points),
+        ("no places", "`grasp_search.poses`", PlanRequest { grasp_search: none, ..good.clone() }),
+        ("one place", "`grasp_search.poses`", some(1, 1, &[0])),
+        ("257 places", "`grasp_search.poses`", some(257, 1, &[0])),
+        ("places of another number of grippers", "`grasp_search.poses`", some(3, 2, &[0])),
+        ("places without numbers of grippers", "`grasp_search.poses`", some(3, 1, &[])),
+        ("places of two numbers", "`grasp_search.poses`", search(&[3, 7], &POSE.repeat(3), &[0])),
+        ("a place far away", "`grasp_search.poses`", search(&[3, 1, 7], &infinite, &[0])),
+        ("a place without a rotation", "at place 1", search(&[3, 1, 7], &of_zeros, &[0])),
+        ("gripper 2 of two", "`grasp_search.grippers`", some(3, 1, &[2])),
+        ("a gripper twice", "`grasp_search.grippers`", some(3, 2, &[0, 0])),
+        ("a gripper without a grasp", "none of gripper 1", some(3, 2, &[0, 1])),
+        ("no grasp", "`rollout.grasps`", with(&|r| r.grasps.clear())),
+        ("a hand's grasp", "`rollout.grasps`", with(&|r| r.grasps[0].region.clone_from(&hand))),
+        ("what is held already", "gripper 0", from(held(1))),
+        ("what has slipped already", "gripper 0", from(held(2))),
+        ("too few samples", "`samples`", PlanRequest { samples: 8, ..good.clone() }),
+        ("too few iterations", "`iterations`", PlanRequest { iterations: 2, ..good.clone() }),
     ]
 }

@@ -23,6 +23,10 @@ class OnServer:
 
     One plan goes over the wire instead of a batch of them in every iteration, and the server
     spreads batches over its workers. The space of the task is one of this package.
+
+    With a `grasp_search` of the task the first plan also finds the place to grasp. From then on
+    `task` is that of the place: its space starts there, and the following plans search no more.
+    `reset` lets the next plan search again.
     """
 
     def __init__(self, task: Task, *, knots: int = 5, search: Search = _SEARCH) -> None:
@@ -31,6 +35,7 @@ class OnServer:
             raise ValueError("a planner needs two knots or more")
         server_space(task.space)  # Refuses others before the first plan.
         self.task: Task = task
+        self._first = task
         self.knots: int = knots
         self.search: Search = search
         #: Frames that were executed since the start, or since `reset`.
@@ -60,12 +65,19 @@ class OnServer:
                 "as lie between knots, have them change there, or plan with Mppi, say"
             )
         try:
-            found = task.twin.plan(**request, search=self.search, space=server_space(task.space))
+            found = task.twin.plan(
+                **request,
+                search=self.search,
+                space=server_space(task.space),
+                grasp_search=task.grasp_search,
+            )
         except BendTwinError as error:
             if error.reason == "EVERY_PLAN_DIVERGED":
                 raise EveryPlanDiverged from error
             raise
         self.nominal = np.array(found.coordinates)
+        if found.grasp is not None:
+            self.task, task = self.task.at_place(found.grasp), task.at_place(found.grasp)
         return self._planned(task, found, time.monotonic() - began)
 
     def shift(self, frames: float) -> None:
@@ -80,6 +92,7 @@ class OnServer:
         shape = (self.knots, self.task.dims)
         self.nominal = np.zeros(shape) if nominal is None else self._checked(nominal)
         self._frame = 0.0
+        self.task = self._first
 
     def _checked(self, nominal: npt.ArrayLike) -> Array:
         array = np.array(nominal, dtype=np.float64)
@@ -98,9 +111,12 @@ class OnServer:
             time_s=time_s,
             stopped="deadline" if found.stopped_by_deadline else "iterations",
             problem=task,
-            excess_strain=max(found.strain - found.strain_limit, 0.0),
+            excess=found.excess,
             overstrained=found.overstrained,
             cost_terms=found.cost_terms,
             simulated=found.simulated,
             diverged=found.diverged,
+            grasp=found.grasp,
+            grasp_costs=found.grasp_costs,
+            grasp_force_n=found.grasp_force_n,
         )

@@ -31,11 +31,12 @@ class Planned:
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
     problem: Problem | Task = field(repr=False)
-    #: Excess of the strain of the material over the limit of `Plausibility`, and of a machine over
-    #: its own (`MachineSpace.excess`): 0, unless every plan exceeded one. Plans beyond a limit are
-    #: worse than all within, regardless of cost.
-    excess_strain: float = 0.0
-    #: Number of the simulated plans that did not diverge and were beyond it.
+    #: Excess of the strain of the material and of the forces of grasps over the limits of
+    #: `Plausibility`, as shares of the limits, and of a machine over its own (`MachineSpace.excess`),
+    #: summed: 0, unless every plan was beyond one. Plans beyond a limit are worse than all within,
+    #: regardless of cost.
+    excess: float = 0.0
+    #: Number of the simulated plans that did not diverge and were beyond a limit.
     overstrained: int = 0
 
     def actions(self, frames: int | None = None) -> dict[str, Any]:
@@ -70,3 +71,8 @@ class ServerPlan(Planned):
     #: Number of the simulated plans, and of those of them that diverged.
     simulated: int
     diverged: int
+    #: With a grasp search: the place of the plan, and the cost of the best plan of each place [P].
+    grasp: int | None = None
+    grasp_costs: npt.NDArray[np.float64] | None = None
+    #: Largest mean force of a grasp over a frame, newtons, if there is a limit or a grasp search.
+    grasp_force_n: float | None = None

@@ -19,7 +19,7 @@ from bendtwin.errors import BendTwinError, Category
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.noise import correlated, deviations
 from bendtwin.planners.plan import Origin, Plan
-from bendtwin.planners.task import Evaluation, Problem, Task
+from bendtwin.planners.task import NO_PLACES, Evaluation, Problem, Task
 from bendtwin.simulation.bounds import Bounds
 from bendtwin.simulation.state import InitialState
 
@@ -79,6 +79,8 @@ class Planner(ABC):
                 iteration is always finished.
             seed: The same seed gives the same plans.
         """
+        if getattr(problem, "grasp_search", None) is not None:
+            raise ValueError(NO_PLACES)
         if knots < 2 or samples < 1 or iterations < 1:
             raise ValueError("a planner needs two knots, one sample and one iteration, or more")
         if not 0.0 <= correlation < 1.0:
@@ -212,12 +214,12 @@ class _Search:
         self.costs: list[npt.NDArray[np.float64]] = []
         self.best: Array = np.zeros((0, 0))
         self.best_cost = np.inf
-        #: How far the best is beyond the limit of the strain; +inf if it diverged.
+        #: How far the best is beyond the limits; +inf if it diverged.
         self._best_excess = np.inf
         self._overstrained = 0
         self._origin: Origin = "nominal"
         self._nominal_cost = np.inf
-        #: The best sample, how far it is beyond the limit, and its cost.
+        #: The best sample, how far it is beyond the limits, and its cost.
         self._sample: tuple[Array, tuple[float, float]] | None = None
 
     def simulate(self, knots: Array, *, is_mean: bool = False) -> Evaluation | None:
@@ -256,7 +258,7 @@ class _Search:
         if is_first:
             self._nominal_cost = float(costs[0])
             self._take(knots[0], costs[0], excess[0])
-        # What keeps the limit comes first, then what is least beyond it, then what costs least.
+        # What keeps the limits comes first, then what is least beyond them, then what costs least.
         order = np.lexsort((costs, excess))
         samples = [] if is_mean else [i for i in order if i or not is_first]
         if samples:
@@ -289,12 +291,12 @@ class _Search:
             time_s=time.monotonic() - self._began,
             stopped="iterations" if self.finished == iterations else "deadline",
             problem=self._problem,
-            excess_strain=self._best_excess,
+            excess=self._best_excess,
             overstrained=self._overstrained,
         )
 
 
 def _excess(evaluation: Evaluation) -> npt.NDArray[np.float64]:
-    """Excess of each plan [B] over the limit of the strain; +inf for one that diverged."""
+    """Excess of each plan [B] over the limits; +inf for one that diverged."""
     beyond = 0.0 if evaluation.excess is None else evaluation.excess
     return np.where(np.isfinite(evaluation.costs), beyond, np.inf)

@@ -12,10 +12,11 @@ import numpy.typing as npt
 from bendtwin.calls import roll_out
 from bendtwin.planners.knots import Array, curve_matrix
 from bendtwin.planners.schedule import Schedule, check_rows
-from bendtwin.planners.spaces import ActionSpace, MachineSpace
+from bendtwin.planners.spaces import ActionSpace, Grippers, MachineSpace
 from bendtwin.simulation.bounds import Bounds
 from bendtwin.simulation.costs import Cost
 from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.simulation.plan import GraspSearch, excess_share
 from bendtwin.simulation.rollout import Fidelity, Returns, RolloutResult, warned
 from bendtwin.simulation.state import InitialState, Rest
 from bendtwin.simulation.world import Ensemble, GradientOptions, Grasp, Plausibility, Vary, World
@@ -25,6 +26,11 @@ _COSTS_ALONE = Returns()
 _REST = Rest()
 _NO_BOUNDS = Bounds()
 _CURVES = {"trajectories": interpolate, "poses": interpolate_poses}
+#: What planners of this package say of a grasp search.
+NO_PLACES = (
+    "the planners of the client do not search places to grasp: plan with OnServer, or without "
+    "grasp_search"
+)
 #: Arguments of a rollout that have a row for each knot.
 ACTIONS = _CURVES.keys()
 
@@ -37,8 +43,8 @@ class Evaluation:
     costs: npt.NDArray[np.float64]
     #: d cost / d knots [B, K, D], if asked for.
     gradients: Array | None = None
-    #: How far the strain of the material, or a machine, is beyond its limit, 0 where it is not [B]:
-    #: a plan beyond it is worse than all that keep it. None: all keep it.
+    #: How far strain, forces of grasps, or a machine are beyond their limits, 0 where they are not
+    #: [B]: a plan beyond a limit is worse than all that keep them. None: all keep them.
     excess: npt.NDArray[np.float64] | None = None
 
 
@@ -107,6 +113,8 @@ class Task:
     gradient: GradientOptions | None = None
     #: With `refuse` plans beyond the limits count as diverged.
     plausibility: Plausibility | None = None
+    #: Places to grasp, for `OnServer`, in a space of `Grippers`.
+    grasp_search: GraspSearch | None = None
     #: The frame of paths and closings that the horizon begins in, or [B] of them: see `at`.
     since: npt.ArrayLike = 0.0
 
@@ -115,6 +123,8 @@ class Task:
             raise ValueError("the horizon must be one frame or more")
         if self.world is not None and isinstance(self.space, MachineSpace):
             raise ValueError("the space has a world: give the rest of it to its workcell instead")
+        if self.grasp_search is not None and not isinstance(self.space, Grippers):
+            raise TypeError("places to grasp are poses of grippers: plan in a space of Grippers")
         check_rows(self._world(), self.grasps, self.frames)
 
     @property
@@ -135,6 +145,17 @@ class Task:
     def at(self, frame: float) -> Task:
         """The same task after a number of executed frames: paths and closings continue there."""
         return replace(self, since=np.asarray(self.since) + frame)
+
+    def at_place(self, place: int) -> Task:
+        """The same task with the grippers at one of the places to grasp, and no search of these."""
+        space, search = self.space, self.grasp_search
+        if search is None or not isinstance(space, Grippers):
+            return self
+        start = np.array(space.start)
+        poses = np.asarray(search.poses, np.float64)
+        poses = poses[:, None] if poses.ndim == 2 else poses
+        start[list(search.grippers) or slice(None)] = poses[place]
+        return replace(self, space=replace(space, start=start), grasp_search=None)
 
     def request(
         self, knots: Array, initial: InitialState | None = None, *, frames: int | None = None
@@ -200,7 +221,13 @@ class Task:
         gradients: bool = False,
         timeout_s: float | None = None,
     ) -> Evaluation:
-        """Simulates knots [B, K, D] from a state, in one call; None is the task's own."""
+        """Simulates knots [B, K, D] from a state, in one call; None is the task's own.
+
+        Raises:
+            ValueError: If places to grasp are to be searched, which planners do not do here.
+        """
+        if self.grasp_search is not None:
+            raise ValueError(NO_PLACES)
         returns = Returns(action_gradients=gradients)
         result = self.rollout(knots, initial, returns=returns, timeout_s=timeout_s)
         excess = _excess(result) + self._excess(knots)
@@ -270,11 +297,12 @@ class Task:
 
 
 def _excess(result: RolloutResult) -> npt.NDArray[np.float64]:
-    """Excess of the strain of each action, with an ensemble of its members, over the limit."""
+    """Excess of each action, with an ensemble the largest of its members, over the limits of strain
+    and forces, as the sum of its shares of these."""
     members = 1 if result.member_costs is None else result.member_costs.shape[1]
-    excess = np.zeros(len(result.costs))
+    excess = {reason: np.zeros(len(result.costs)) for reason in ("STRAIN", "GRASP_FORCE")}
     for found in result.implausible:
-        if found.reason == "STRAIN":
-            action = found.instance // members
-            excess[action] = max(excess[action], found.found - found.limit)
-    return excess
+        if found.reason in excess:
+            action, share = found.instance // members, excess_share(found.found, found.limit)
+            excess[found.reason][action] = max(excess[found.reason][action], share)
+    return excess["STRAIN"] + excess["GRASP_FORCE"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, cast
 
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from bendtwin.simulation.arguments import RolloutArguments, rollout_request
 from bendtwin.simulation.bounds import Bounds
 from bendtwin.simulation.rollout import RolloutResult, warned
-from bendtwin.tensors import unpack
+from bendtwin.tensors import pack_floats, unpack
 from bendtwin.v1 import planning_pb2, tensor_pb2
 
 Method = Literal["mppi", "cem", "predictive_sampling", "gradient"]
@@ -112,6 +113,29 @@ class Search:
 
 
 @dataclass(frozen=True)
+class GraspSearch:
+    """Places to grasp that the server searches together with the motion, of one or more grippers.
+
+    Each place has its own search, which begins there and otherwise moves like the nominal plan. All
+    places share the samples; after each round of iterations the worse half of the places is given
+    up, until one is left. `bendtwin.grasp_places` proposes places.
+    """
+
+    #: Poses at the start of the motion [P, G', 7], or [P, 7] of one gripper; P in 2..256.
+    poses: npt.ArrayLike
+    #: Grippers whose places are searched, ascending; empty: all.
+    grippers: Sequence[int] = ()
+
+    def to_proto(self) -> planning_pb2.GraspSearch:
+        """Makes the wire form."""
+        poses = np.asarray(self.poses, np.float32)
+        if poses.ndim == 2:
+            poses = poses[:, None]
+        packed = pack_floats("poses of the grasp search", poses, (None, None, 7))
+        return planning_pb2.GraspSearch(poses=packed, grippers=list(self.grippers))
+
+
+@dataclass(frozen=True)
 class PlanUpdate:
     """The best plan that the server has found so far."""
 
@@ -125,7 +149,7 @@ class PlanUpdate:
     cost_terms: dict[str, float]
     #: The nominal plan, the mean that the method arrived at, or one of its samples.
     origin: Origin
-    #: +inf if the nominal plan diverges.
+    #: +inf if the nominal plan diverges; with a grasp search that of the place of the best plan.
     nominal_cost: float
     #: Iterations that were finished.
     iterations: int
@@ -140,12 +164,28 @@ class PlanUpdate:
     last: bool
     #: The rollout of the best plan, in the last update, if returns were requested.
     rollout: RolloutResult | None = None
-    #: Largest strain of the material in the plan's motion, and the limit. A plan beyond the limit
-    #: is worse than every plan within, so that this is above the limit only if all plans were.
+    #: Largest strain of the material in the plan's motion, and the limit. A plan beyond a limit is
+    #: worse than every plan within all, so that this is above the limit only if all plans were
+    #: beyond one.
     strain: float = 0.0
     strain_limit: float = float("inf")
-    #: Plans beyond the limit that did not diverge.
+    #: Plans beyond a limit, of the strain or of the force of a grasp, that did not diverge.
     overstrained: int = 0
+    #: With a grasp search: the place of the best plan, and the cost of the best plan of each place
+    #: so far [P]; +inf where every plan diverged or grasped nothing.
+    grasp: int | None = None
+    grasp_costs: npt.NDArray[np.float64] | None = None
+    #: Largest mean force of a grasp over a frame in the plan's motion, newtons, and the limit of
+    #: `Plausibility`; None without a limit, the force not so with a grasp search.
+    grasp_force_n: float | None = None
+    grasp_force_limit_n: float | None = None
+
+    @property
+    def excess(self) -> float:
+        """Sum of the shares of their limits by which strain and force are beyond them: 0 unless
+        every plan was beyond a limit."""
+        force = excess_share(self.grasp_force_n or 0.0, self.grasp_force_limit_n or np.inf)
+        return excess_share(self.strain, self.strain_limit) + force
 
     @property
     def actions(self) -> dict[str, npt.NDArray[np.float32]]:
@@ -159,7 +199,14 @@ class PlanUpdate:
         coordinates: Any = unpack(message.coordinates)
         terms: Any = unpack(message.cost_terms)
         names = list(message.cost_names)
+        costs: Any = unpack(message.grasp_costs)
         has_rollout = message.HasField("rollout")
+
+        optional: Any = message
+
+        def given(name: str) -> Any:
+            return getattr(optional, name) if optional.HasField(name) else None
+
         return cls(
             knots=knots,
             coordinates=coordinates,
@@ -177,6 +224,10 @@ class PlanUpdate:
             strain=message.strain,
             strain_limit=message.strain_limit,
             overstrained=message.overstrained,
+            grasp=given("grasp"),
+            grasp_costs=costs if message.HasField("grasp_costs") else None,
+            grasp_force_n=given("grasp_force_n"),
+            grasp_force_limit_n=given("grasp_force_limit_n"),
         )
 
 
@@ -193,6 +244,9 @@ class PlanArguments(RolloutArguments, total=False):
     space: ServerSpace | Coordinates | None
     #: Frames executed since the nominal plan was made, by which it is shifted.
     shift_frames: float
+    #: Places to grasp, searched together with the motion; needs `poses`, and a grasp of each
+    #: gripper that is searched.
+    grasp_search: GraspSearch | None
 
 
 def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanRequest:
@@ -209,6 +263,9 @@ def plan_request(twin: str, arguments: PlanArguments) -> planning_pb2.PlanReques
         rollout=rollout_request(twin, rollout), shift_frames=shift_frames
     )
     arguments.get("search", Search()).add_to(request)
+    grasp_search = arguments.get("grasp_search")
+    if grasp_search is not None:
+        request.grasp_search.CopyFrom(grasp_search.to_proto())
     space = arguments.get("space")
     if isinstance(space, str):
         if space not in _COORDINATES:
@@ -231,6 +288,11 @@ def server_space(space: object) -> ServerSpace:
             "plan with Mppi, Cem, PredictiveSampling or GradientDescent of bendtwin.planners"
         )
     return cast(ServerSpace, space)
+
+
+def excess_share(found: float, limit: float) -> float:
+    """Share of a limit by which a value is beyond it, or 0; of a limit of 0 the value itself."""
+    return 0.0 if found <= limit else (found - limit) / (limit or 1.0)
 
 
 def whole(last: PlanUpdate | None) -> PlanUpdate:

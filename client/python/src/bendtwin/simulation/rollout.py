@@ -139,13 +139,15 @@ class Implausible(FromMessage):
     """Motion of an instance that is beyond a limit."""
 
     instance: int
-    #: START_GAP, CONTROL_SPEED, STRAIN or CONTROL_IN_OBSTACLE.
+    #: START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE or GRASP_FORCE.
     reason: str
     #: Largest value found, in the unit of the limit.
     found: float
     limit: float
     #: Frame in which the value was found; 0 where unknown.
     frame: int
+    #: With GRASP_FORCE: the grasp, by its place among those of the rollout.
+    grasp: int | None = None
 
     @property
     def is_of_start(self) -> bool:

@@ -100,7 +100,9 @@ def _read(reply: Any, search: PlanArguments, frames: int) -> Step:
     has_advanced = reply.HasField("advanced")
     advanced = warned(RolloutResult.from_proto(reply.advanced)) if has_advanced else None
     executed = frames if advanced is not None and not advanced.diverged else 0
-    following: Any = {**search, **plan.actions, "shift_frames": executed}
+    # The place is taken: what follows begins there.
+    following: Any = {k: v for k, v in search.items() if k != "grasp_search"}
+    following.update(plan.actions, shift_frames=executed)
     corrections = [Correction.from_proto(one) for one in reply.corrected.corrections]
     return Step(
         correction=corrections[0] if corrections else None,

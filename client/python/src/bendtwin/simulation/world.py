@@ -322,6 +322,9 @@ class Plausibility:
     #: beyond their depth in the initial state; 0.005. Hands and grippers stop at this depth in the
     #: ground.
     control_depth_m: float | None = None
+    #: Mean force of a grasp over a frame, newtons; per unit mass without a `mass_kg`. No limit by
+    #: default. Plans beyond it are worse than all within.
+    grasp_force_n: float | None = None
     #: Raises an error with the reason IMPLAUSIBLE_MOTION instead.
     refuse: bool = False
 
@@ -332,6 +335,7 @@ class Plausibility:
             control_speed_m_s=self.control_speed_m_s,
             strain=self.strain,
             control_depth_m=self.control_depth_m,
+            grasp_force_n=self.grasp_force_n,
             refuse=self.refuse,
         )
 

@@ -39,9 +39,13 @@ class PlanRequest(_message.Message):
     SHIFT_FRAMES_FIELD_NUMBER: _builtins.int
     GRASP_SEARCH_FIELD_NUMBER: _builtins.int
     samples: _builtins.int
-    """Plans simulated in an iteration. Default (0): 64, or 1 with a gradient."""
+    """Plans simulated in an iteration. Default (0): 64, or 1 with a gradient; with `grasp_search` at least 8, or 1
+    with a gradient, for each place.
+    """
     iterations: _builtins.int
-    """Default (0): 1, or 20 with a gradient. At most 1,000,000 plans are simulated in total."""
+    """Default (0): 1, or 20 with a gradient; with `grasp_search` at least one for each round. At most 1,000,000
+    plans are simulated in total.
+    """
     correlation: _builtins.float
     """Correlation of neighbouring knots of a sample, at least 0 and below 1: larger is smoother."""
     finest: _builtins.float
@@ -64,9 +68,9 @@ class PlanRequest(_message.Message):
         instance, are the nominal plan, which the first iteration starts from; returned knots can be sent
         unchanged. Row 0 is the current position and is not changed: where the initial state has control points (a
         session, or given controls), row 0 of trajectories is taken from them. `plausibility.strain` is the limit
-        of the strain (default: 1; infinity lifts it). With `plausibility.refuse` a plan beyond any of the limits
-        counts as diverged. `returns` apply to one more rollout, of the best plan; without any, this rollout is
-        left out.
+        of the strain (default: 1; infinity lifts it), `plausibility.grasp_force_n` that of the force of each grasp
+        (default: none). With `plausibility.refuse` a plan beyond any of the limits counts as diverged. `returns`
+        apply to one more rollout, of the best plan; without any, this rollout is left out.
         """
 
     @_builtins.property
@@ -114,10 +118,19 @@ Global___PlanRequest: _TypeAlias = PlanRequest  # noqa: Y015
 
 @_typing.final
 class GraspSearch(_message.Message):
-    """Search over P places to grasp: each is tried with its own motion in the plan's space, and the worse half is given
-    up after each round. The iterations of the request are shared among the rounds; each plan of a place begins there
-    and otherwise moves like the nominal plan. Limits of strain and of the force of grasps
-    (`rollout.plausibility`) decide between places as they do between plans. Only with poses as actions.
+    """Search over P places to grasp, by successive halving. Each place has its own search of a motion, with its own
+    nominal plan, which begins at the place and otherwise moves like the nominal plan: by the same displacements
+    and rotations along the world's axes. Grippers that are not listed move as in the nominal plan. The places
+    still searched share the samples of each iteration; after each round the worse half of them, in the order of
+    plans, is given up, until one is left. There are ceil(log2(P)) + 1 rounds of iterations / rounds iterations
+    each, rounded down; the last round, of a single place, has the iterations that remain. With a gradient each
+    place keeps its starts, samples / P of them.
+
+    A plan in which no grasp of a listed gripper ever exerts a force has grasped nothing: its cost is +inf, and it
+    counts as diverged. If there is no other, the call ends with FAILED_PRECONDITION, reason NOTHING_GRASPED.
+    Only with poses as actions and with `rollout.grasps` that have a sphere, a cuboid or nodes for each listed
+    gripper, also in a session. Refused if such a grasp holds something in the initial state and is closed at the
+    start of the plan.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -126,7 +139,9 @@ class GraspSearch(_message.Message):
     GRIPPERS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def poses(self) -> _tensor_pb2.Tensor:
-        """Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 [P, G', 7], P in 2..256."""
+        """Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 [P, G', 7], P in 2..256.
+        Coordinates of these grippers and their bounds are counted from there, instead of from `space.start`.
+        """
 
     @_builtins.property
     def grippers(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
@@ -432,7 +447,7 @@ class PlanUpdate(_message.Message):
     """Cost of exactly these knots, as simulated."""
     origin: Global___PlanUpdate.Origin.ValueType
     nominal_cost: _builtins.float
-    """+inf if the nominal plan diverges."""
+    """+inf if the nominal plan diverges. With `grasp_search` that of the place of the best plan."""
     iterations: _builtins.int
     """Finished iterations."""
     simulated: _builtins.int
@@ -446,20 +461,21 @@ class PlanUpdate(_message.Message):
     """True for the last update."""
     strain: _builtins.float
     """Largest strain of the material in the motion of the best plan (with an ensemble, over its members), and the
-    limit. The strain is above the limit only if it is so for every simulated plan.
+    limit. A strain above the limit means that every simulated plan is beyond a limit.
     """
     strain_limit: _builtins.float
     overstrained: _builtins.int
-    """Plans beyond the strain limit that did not diverge."""
+    """Plans beyond a limit, of the strain or of the force of a grasp, that did not diverge."""
     grasp: _builtins.int
-    """With `grasp_search`: the place of the best plan, and the cost of the best plan of each place, FLOAT64 [P]; +inf
-    where every plan diverged.
+    """With `grasp_search`: the place of the best plan, and the cost of the best plan of each place so far, also of
+    those given up, FLOAT64 [P]; +inf where every plan diverged or grasped nothing.
     """
     grasp_force_n: _builtins.float
-    """Largest mean force of a grasp over a frame in the motion of the best plan, and the limit; absent without a limit
-    in `plausibility.grasp_force_n`.
+    """Largest mean force of a grasp over a frame in the motion of the best plan (with an ensemble, over its
+    members), newtons (per unit mass without a mass_kg); absent without a limit and without `grasp_search`.
     """
     grasp_force_limit_n: _builtins.float
+    """The limit; absent without one in `plausibility.grasp_force_n`."""
     @_builtins.property
     def knots(self) -> _tensor_pb2.Tensor:
         """FLOAT32, in the shape of the request's actions: [1, K, C, 3] or [1, K, G, 7]."""

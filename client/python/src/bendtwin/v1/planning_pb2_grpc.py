@@ -50,10 +50,10 @@ class PlanningServiceServicer(object):
 
     def Plan(self, request, context):
         """Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
-        the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
-        material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
-        the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
-        stops the work.
+        the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the
+        strain of the material or of the force of a grasp is worse than every plan within both, regardless of the
+        cost; among plans beyond a limit the one with the least excess is best, which is the sum of
+        (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

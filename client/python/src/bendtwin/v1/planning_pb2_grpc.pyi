@@ -37,10 +37,10 @@ class PlanningServiceStub:
     def __new__(cls, channel: _aio.Channel) -> PlanningServiceAsyncStub: ...
     Plan: _grpc.UnaryStreamMultiCallable[_planning_pb2.PlanRequest, _planning_pb2.PlanUpdate]
     """Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
-    the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
-    material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
-    the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
-    stops the work.
+    the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the
+    strain of the material or of the force of a grasp is worse than every plan within both, regardless of the
+    cost; among plans beyond a limit the one with the least excess is best, which is the sum of
+    (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
     """
 
 @_typing.type_check_only
@@ -52,10 +52,10 @@ class PlanningServiceAsyncStub(PlanningServiceStub):
     def __init__(self, channel: _aio.Channel) -> None: ...
     Plan: _aio.UnaryStreamMultiCallable[_planning_pb2.PlanRequest, _planning_pb2.PlanUpdate]  # type: ignore[assignment]
     """Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
-    the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
-    material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
-    the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
-    stops the work.
+    the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the
+    strain of the material or of the force of a grasp is worse than every plan within both, regardless of the
+    cost; among plans beyond a limit the one with the least excess is best, which is the sum of
+    (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
     """
 
 class PlanningServiceServicer(metaclass=_abc_1.ABCMeta):
@@ -70,10 +70,10 @@ class PlanningServiceServicer(metaclass=_abc_1.ABCMeta):
         context: _ServicerContext,
     ) -> _typing.Union[_abc.Iterator[_planning_pb2.PlanUpdate], _abc.AsyncIterator[_planning_pb2.PlanUpdate]]:
         """Sends an update with the best plan after each iteration, and a last one. The best plan is never worse than
-        the nominal plan: every returned plan was simulated, with the returned cost. A plan that strains the
-        material beyond the limit is worse than every plan within it, regardless of the cost; among plans beyond
-        the limit the one with the least strain is best. Over HTTP events named `update`; closing the connection
-        stops the work.
+        the nominal plan: every returned plan was simulated, with the returned cost. A plan beyond a limit of the
+        strain of the material or of the force of a grasp is worse than every plan within both, regardless of the
+        cost; among plans beyond a limit the one with the least excess is best, which is the sum of
+        (found - limit) / limit over both. Over HTTP events named `update`; closing the connection stops the work.
         """
 
 def add_PlanningServiceServicer_to_server(servicer: PlanningServiceServicer, server: _typing.Union[_grpc.Server, _aio.Server]) -> None: ...

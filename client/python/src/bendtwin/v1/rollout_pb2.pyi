@@ -391,7 +391,9 @@ class Plausibility(_message.Message):
     below the ground (Diagnostics.stopped_hand_m).
     """
     grasp_force_n: _builtins.float
-    """Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none."""
+    """Largest mean force of a grasp over a frame, newtons (per unit mass without a mass_kg); default: none. Each
+    grasp beyond it is listed. A grasp with max_force_n that slips counts with the force at which it slipped.
+    """
     def __init__(
         self,
         *,
@@ -1411,6 +1413,7 @@ class RollOutResponse(_message.Message):
         FOUND_FIELD_NUMBER: _builtins.int
         LIMIT_FIELD_NUMBER: _builtins.int
         FRAME_FIELD_NUMBER: _builtins.int
+        GRASP_FIELD_NUMBER: _builtins.int
         instance: _builtins.int
         reason: _builtins.str
         """START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE, GRASP_FORCE."""
@@ -1419,6 +1422,8 @@ class RollOutResponse(_message.Message):
         limit: _builtins.float
         frame: _builtins.int
         """Frame in which the value was found, where known."""
+        grasp: _builtins.int
+        """With GRASP_FORCE: index of the grasp."""
         def __init__(
             self,
             *,
@@ -1427,12 +1432,15 @@ class RollOutResponse(_message.Message):
             found: _builtins.float = ...,
             limit: _builtins.float = ...,
             frame: _builtins.int = ...,
+            grasp: _builtins.int | None = ...,
         ) -> None: ...
-        _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+        _HasFieldArgType: _TypeAlias = _typing.Literal["_grasp", b"_grasp", "grasp", b"grasp"]  # noqa: Y015
         def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-        _ClearFieldArgType: _TypeAlias = _typing.Literal["found", b"found", "frame", b"frame", "instance", b"instance", "limit", b"limit", "reason", b"reason"]  # noqa: Y015
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["_grasp", b"_grasp", "found", b"found", "frame", b"frame", "grasp", b"grasp", "instance", b"instance", "limit", b"limit", "reason", b"reason"]  # noqa: Y015
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
-        def WhichOneof(self, oneof_group: _Never) -> None: ...
+        _WhichOneofReturnType__grasp: _TypeAlias = _typing.Literal["grasp"]  # noqa: Y015
+        _WhichOneofArgType__grasp: _TypeAlias = _typing.Literal["_grasp", b"_grasp"]  # noqa: Y015
+        def WhichOneof(self, oneof_group: _WhichOneofArgType__grasp) -> _WhichOneofReturnType__grasp | None: ...
 
     @_typing.final
     class Diagnostics(_message.Message):

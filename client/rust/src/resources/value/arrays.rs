@@ -56,6 +56,12 @@ impl FromWire<u32> for usize {
     }
 }
 
+impl FromWire<Option<u32>> for Option<usize> {
+    fn from_wire(wire: Option<u32>, _: &str) -> Result<Self, Error> {
+        Ok(wire.map(|number| number as usize))
+    }
+}
+
 impl FromWire<Option<Window>> for Option<RangeInclusive<usize>> {
     fn from_wire(wire: Option<Window>, _: &str) -> Result<Self, Error> {
         Ok(wire.map(|window| window.first_frame as usize..=window.last_frame as usize))

@@ -7,7 +7,9 @@ use bendtwin_proto::v1::{
 use super::{
     Asked, Error, Message, Price, TwinShape,
     gradients::has_gradients,
-    mul, sum,
+    mul,
+    plausibility::limits_grasp_force,
+    sum,
     tensors::{given, index_list, known_nodes, known_skin_points},
     vary::members,
 };
@@ -128,15 +130,21 @@ pub(in crate::rollout) fn price(asked: &Asked<'_>) -> Price {
     // By control point and the ground, and with torques by grasp and collider.
     let points = mul(&[12, twin.controls.saturating_add(1)]);
     let forces = sum(&[points, mul(&[24, sum(&[grasps, colliders])])]);
+    let limits_force = limits_grasp_force(asked.request);
+    let measured =
+        if returns.forces || limits_force { mul(&[asked.boundaries, forces]) } else { 0 };
     let mut price = Price {
         reply: reply(asked),
-        running: if returns.forces { mul(&[asked.boundaries, forces]) } else { 0 },
+        running: measured,
+        // Until they are compared with the limit.
+        recorded: if limits_force { measured } else { 0 },
         ..Price::default()
     };
     if asked.is_of_planner() || recorded(returns) == PointSet::Skin {
         // Recordings of nodes, until the skin is placed from them: the planner's has the twin's nodes, too.
         let rows = asked.part_frames.checked_div(returns.every_frames.into()).unwrap_or(0);
-        price.recorded = mul(&[RECORDED_NODE, asked.kinds(), twin.nodes, rows]);
+        let recorded = mul(&[RECORDED_NODE, asked.kinds(), twin.nodes, rows]);
+        price.recorded = sum(&[price.recorded, recorded]);
         price.fixed = mul(&[ROW, twin.nodes]);
     }
     if asked.is_of_planner() {

@@ -4,8 +4,8 @@ use bendtwin_contract::rollout::{
     Batch, ImplausibleReason, TwinShape, has_gradients, part_frames, reply_bytes,
 };
 use bendtwin_proto::v1::{
-    ControlTrajectories, Cost, Fidelity, Grasp, Grasping, PointSet, Returns, RollOutRequest,
-    RollOutResponse, Tensor,
+    ControlTrajectories, Cost, Fidelity, Grasp, Grasping, Plausibility, PointSet, Returns,
+    RollOutRequest, RollOutResponse, Tensor,
     returns::Encoding,
     roll_out_request::Actions,
     roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing, Window},
@@ -14,12 +14,21 @@ use proptest::prelude::*;
 use prost::Message as _;
 
 /// What an instance of a batch can do that is not plausible.
-fn implausible(batch: &Batch) -> Vec<Implausible> {
+fn implausible(request: &RollOutRequest, batch: &Batch) -> Vec<Implausible> {
     let (instance, last) = ((batch.instances - 1) as u32, batch.frames as u32);
-    let each = ImplausibleReason::ALL.into_iter().map(|reason| {
+    let limits = request.plausibility.unwrap_or_default();
+    let each = ImplausibleReason::ALL.into_iter().flat_map(|reason| {
         let frame = if reason.names_frame() { last } else { 0 };
+        let grasps: Vec<Option<u32>> = match reason {
+            ImplausibleReason::GraspForce if limits.grasp_force_n.is_none() => Vec::new(),
+            ImplausibleReason::GraspForce => (0..request.grasps.len() as u32).map(Some).collect(),
+            _ => vec![None],
+        };
         let reason = reason.as_str().to_owned();
-        Implausible { instance, reason, found: 1.0, limit: 1.0, frame }
+        grasps.into_iter().map(move |grasp| {
+            let reason = reason.clone();
+            Implausible { instance, reason, found: 1.0, limit: 1.0, frame, grasp }
+        })
     });
     each.collect()
 }
@@ -45,7 +54,7 @@ fn reply(
         cost_names: (0..terms).map(|i| format!("cost{i}")).collect(),
         cost_terms: Some(Tensor::pack(&[n, terms], &vec![0.0f64; n * terms])),
         diverged: vec![Divergence { instance: u32::MAX, frame: u32::MAX, node: u32::MAX }; n],
-        implausible: (0..n).flat_map(|_| implausible(batch)).collect(),
+        implausible: (0..n).flat_map(|_| implausible(request, batch)).collect(),
         timing: Some(Timing { queue_s: 1.0, compute_s: 1.0 }),
         worker: format!("workers/{}", "0".repeat(36)),
         fidelity: Fidelity::Fast.into(),
@@ -152,7 +161,7 @@ proptest! {
         (point_set, skin_points) in (0i32..3, prop::option::of(1u64..500)),
         (encoding, terms, grasps) in (0i32..3, 0usize..20, 0usize..3),
         (part_frames, time_limit_s) in (0u32..9, prop::option::of(0.1f64..1.0)),
-        flags in any::<[bool; 10]>(),
+        flags in any::<[bool; 11]>(),
     ) {
         let part = if best > 0 { 0 } else { part };
         let list = |n: usize| Tensor::pack(&[n], &vec![0u32; n]);
@@ -178,11 +187,13 @@ proptest! {
         let shape = [instances as usize, 2, controls as usize];
         let positions = Tensor::pack_points(&shape, &vec![[0.0; 3]; shape.iter().product()]);
         let trajectories = ControlTrajectories { positions: Some(positions), interpolation: 0 };
+        let limits = Plausibility { grasp_force_n: Some(1.0), ..Plausibility::default() };
         let request = RollOutRequest {
             actions: Some(Actions::Trajectories(trajectories)),
             grasps: vec![Grasp::default(); grasps],
             costs: vec![Cost::default(); terms],
             returns: flags[3].then_some(returns),
+            plausibility: flags[10].then_some(limits),
             time_limit_s,
             ..RollOutRequest::default()
         };

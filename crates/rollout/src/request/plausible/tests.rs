@@ -71,19 +71,27 @@ fn the_depth_in_a_shape_leaves_its_margin_out() {
 
 #[test]
 fn what_is_beyond_a_limit_is_named_and_refused_if_asked() {
-    let limits = Plausibility::default();
     let extremes =
         Extremes { start_gap_m: 0.05, speed: (9.0, 2), depth: (0.02, 3), ..Extremes::default() };
     let diagnostics = Diagnostics { max_strain: 1.5, ..Diagnostics::default() };
     let rollout = Rollout { diagnostics: Some(diagnostics), ..Rollout::default() };
+    let forces = vec![(3.0, 5), (0.5, 2)];
+    let extremes = Extremes { grasp_forces: forces, ..extremes };
+    let limits = Plausibility::read(Some(Wire { grasp_force_n: Some(1.0), ..Wire::default() }));
     let found = limits.judge(7, &extremes, Some(&rollout));
     let reasons: Vec<&str> = found.iter().map(|f| f.reason.as_str()).collect();
-    assert_eq!(reasons, ["START_GAP", "CONTROL_SPEED", "STRAIN", "CONTROL_IN_OBSTACLE"]);
+    assert_eq!(
+        reasons,
+        ["START_GAP", "CONTROL_SPEED", "STRAIN", "CONTROL_IN_OBSTACLE", "GRASP_FORCE"]
+    );
+    assert_eq!((found[4].grasp, found[4].frame, found[4].found), (Some(0), 5, 3.0));
     assert!(found.iter().all(|f| f.instance == 7 && f.found > f.limit));
     assert!(limits.refuse(&found).is_ok());
     let strict = Plausibility::read(Some(Wire { refuse: true, ..Wire::default() }));
     for (i, advice) in
-        ["where the state is", "more frames", "pull less", "lift its path"].into_iter().enumerate()
+        ["where the state is", "more frames", "pull less", "lift its path", "grasp elsewhere"]
+            .into_iter()
+            .enumerate()
     {
         let error = strict.refuse(&found[i..=i]).unwrap_err();
         assert_eq!(error.reason(), "IMPLAUSIBLE_MOTION");

@@ -52,7 +52,9 @@ impl Track {
     /// Extremes of what is prescribed, once it is known where the instance ends.
     pub(super) fn extremes_at_end(&self, plan: &Plan, starts: &Starts) -> Extremes {
         let end = self.runs().then_some(&*self.now);
-        plan.extremes(self.index, (&self.whole, self.stopped), starts, end)
+        let mut extremes = plan.extremes(self.index, (&self.whole, self.stopped), starts, end);
+        extremes.grasp_forces.clone_from(&self.extremes.grasp_forces);
+        extremes
     }
 
     /// False once it has diverged.
@@ -112,6 +114,10 @@ impl Track {
             plan.returns.thin_out(&mut result);
         }
         plan.returns.recorded.place(&plan.twin().skin, &mut result);
+        plan.see_forces(self.index, &result, span.from, &mut self.extremes);
+        if !plan.returns.forces {
+            result.forces = None;
+        }
         self.add_costs(span, &mut result);
         self.measure(span, &result);
         if let Some(state) = &result.final_state {

@@ -97,6 +97,9 @@ fn eventful() -> RollOutRequest {
         cost("force", Kind::Force(force), When::EveryFrame),
         cost("calm at the end", Kind::Smoothness(Smoothness {}), When::LastFrame),
     ];
+    // Every grasp is beyond it.
+    let grasp_force_n = Some(0.0);
+    request.plausibility = Some(Plausibility { grasp_force_n, ..Plausibility::default() });
     request.returns = Some(Returns {
         every_frames: 2,
         velocities: true,
@@ -122,6 +125,7 @@ fn parts_in_time_have_the_bits_of_the_whole() {
         (returns.every_frames, returns.nodes) = (every_frames, nodes);
         returns.velocities = every_frames > 0;
         let expected = bench.run(request.clone(), 0).unwrap().remove(0);
+        assert_eq!(reasons(&expected), ["GRASP_FORCE"]);
         for part_frames in [2, 14, 58, 60, 1000] {
             let parts = bench.run(divided(&request, part_frames), 16).unwrap();
             let ends: Vec<u32> = parts.iter().map(|p| p.window.unwrap().last_frame).collect();

@@ -87,8 +87,11 @@ pub(super) fn malformed(good: &RollOutRequest, twin: &TwinShape) -> Vec<Case> {
         add(what, "`gradient.smoothing_m`", RollOutRequest { gradient, ..good.clone() });
     }
     let plausibility = Some(Plausibility { strain: Some(f64::NAN), ..Plausibility::default() });
-    let strained = RollOutRequest { plausibility, ..good };
+    let strained = RollOutRequest { plausibility, ..good.clone() };
     add("a limit that is NaN", "`plausibility.strain`", strained);
+    let plausibility = Some(Plausibility { grasp_force_n: Some(-1.0), ..Plausibility::default() });
+    let pulled = RollOutRequest { plausibility, ..good };
+    add("a force below 0", "`plausibility.grasp_force_n`", pulled);
     cases
 }
 
