@@ -61,6 +61,7 @@ from bendtwin.simulation.costs import (
     Within,
 )
 from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.simulation.pictures import Light, PictureCamera, Pictures, Prop
 from bendtwin.simulation.plan import PlanArguments, PlanUpdate, Search
 from bendtwin.simulation.registration import Correction, Registration, Residual, Tracking
 from bendtwin.simulation.rollout import (
@@ -146,18 +147,22 @@ __all__ = [
     "JobState",
     "Keypoints",
     "LabelArguments",
+    "Light",
     "ListArguments",
     "LossCurve",
     "MadeShare",
     "ModelLoss",
     "Motion",
     "OwnerUsage",
+    "PictureCamera",
+    "Pictures",
     "PlanArguments",
     "PlanUpdate",
     "Plane",
     "Plausibility",
     "Progress",
     "Project",
+    "Prop",
     "Quotas",
     "Registration",
     "Requirements",
