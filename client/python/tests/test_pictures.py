@@ -2,7 +2,10 @@
 
 import io
 import json
+import re
+import uuid
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from server import needs_server, with_rope
 from bendtwin import (
     BendTwinError,
     Capsule,
+    Category,
     ConvexMesh,
     Cuboid,
     Light,
@@ -22,7 +26,7 @@ from bendtwin.captures.playback import playback_cameras
 from bendtwin.simulation.pictures import render_session
 from bendtwin.tensors import unpack
 
-HALF = np.sqrt(0.5)
+PAGE = Path(__file__).parents[3] / "docs" / "use" / "looks.md"
 
 
 def rotation(pose):
@@ -236,3 +240,26 @@ def test_a_session_is_pictured_beside_props(tmp_path):
         assert refused.value.reason == "GAUSSIANS_UNKNOWN"
         with pytest.raises(BendTwinError, match="intrinsics"):
             session.render([PictureCamera(8, 8, (0, 1, 1, 1), camera.pose)])
+        made.client.download_playback(made.twin.info.capture, tmp_path / "rope.play")
+        assert playback_cameras((tmp_path / "rope.play").read_bytes()) == []
+        with pytest.raises(BendTwinError) as refused:
+            made.client.capture_cameras(f"captures/{uuid.UUID(int=7)}", width=8, height=8)
+        assert refused.value.category is Category.NOT_FOUND
+        run_page(made.address)
+
+
+def run_page(address):
+    """Runs the snippets of docs/use/looks.md, one after the other."""
+    if not PAGE.is_file():
+        return
+    page, names = PAGE.read_text(), {}
+    snippets = re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    assert len(snippets) == 2
+    for snippet in snippets:
+        line = page[: page.index(snippet)].count("\n")
+        code = "\n" * line + snippet.replace("127.0.0.1:7070", address)
+        # The page is the file in tracebacks, at its own lines.
+        exec(compile(code, PAGE, "exec"), names)
+    assert names["pictures"].colors.shape == (2, 96, 96, 3)
+    assert set(np.unique(names["pictures"].labels)) == {0, 1, 2, 3}
+    names["client"].close()

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// States whose pictures are taken together.
 const STATES: usize = 64;
 /// Calls over which the median is taken.
-const CALLS: usize = 9;
+const CALLS: usize = 5;
 const LIGHT: Light = Light { direction: [0.0, -0.6, 0.8], ambient: 0.5, brightness: 1.0 };
 
 /// The look of the object.
