@@ -27,14 +27,14 @@ use crate::{error::Error, session::Session, twin::warm::Warm};
 const TOGETHER_BYTES: usize = 256 << 20;
 /// Pixels for each thread of the slots that are drawn together: some tens of milliseconds.
 const THREAD_PIXELS: usize = 1 << 17;
-/// Slots for each thread that are drawn together: so many that no thread idles for long at their end.
+/// Slots for each thread that are drawn together: with more of them, threads idle less at their end.
 const THREAD_SLOTS: usize = 4;
 /// Memory of a Gaussian while it is drawn, and of each tile under it, and of a pixel of their image [bytes].
 const GAUSSIAN_BYTES: usize = 512;
 const INTERSECTION_BYTES: usize = 16;
 const IMAGE_PIXEL_BYTES: usize = 64;
 
-/// The look of a twin, as it is drawn.
+/// The look of a twin in the pictures of a request.
 enum Dress {
     Surface(Arc<Mesh>),
     Gaussians(Arc<Dressed>),
@@ -92,14 +92,14 @@ impl Pictures {
         self.states.is_empty()
     }
 
-    /// Slots that are drawn together by so many threads.
+    /// Number of slots to draw together on a number of threads.
     pub fn together(&self, threads: usize) -> usize {
         let most = TOGETHER_BYTES / self.slot_bytes().max(1);
         let in_time = threads * THREAD_PIXELS / self.asked.slot_pixels().max(1);
         (threads * THREAD_SLOTS).min(most).min(in_time).clamp(1, self.len().max(1))
     }
 
-    /// Memory that drawing takes with so many threads, beside that of the pictures [bytes].
+    /// Memory that drawing takes on a number of threads, beside that of the pictures [bytes].
     pub fn drawing_bytes(&self, threads: usize) -> u64 {
         let width = self.asked.cameras.iter().map(|camera| camera.width).max().unwrap_or(0);
         let bytes = self.together(threads) * self.slot_bytes() + threads * scratch_bytes(width);

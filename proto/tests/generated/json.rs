@@ -137,7 +137,7 @@ struct Lines {
 }
 
 impl Lines {
-    /// Of a field that an update may change: what is given is in the mask.
+    /// Lines of a field that an update may change: a given value is in the mask.
     fn of_update(resource: &str, field: &str) -> Self {
         let read = format!(
             "if let Some(value) = map.next_value::<Option<_>>()? {{ \

@@ -30,10 +30,10 @@ const MOST_BRIGHTNESS: f32 = 4.0;
 /// Bytes of the reply beside pixels: for each array, and for each slot.
 const ARRAY: u64 = 64;
 const SLOT: u64 = 8;
-/// Memory of a reply at a worker, beside its size: as pictures, as arrays, and as it is sent.
+/// Memory of a reply at a worker, beside its size: as pictures, as arrays, and as a message.
 const COPIES: u64 = 3;
 
-/// Checks the request for pictures of so many slots.
+/// Checks a request for pictures of a number of slots.
 ///
 /// # Errors
 /// The first fault that is found.

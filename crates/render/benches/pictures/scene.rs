@@ -31,7 +31,7 @@ impl Body {
         self.rest.iter().map(wave).collect()
     }
 
-    /// A closed surface with about so many triangles.
+    /// A closed surface with about this number of triangles.
     pub(crate) fn mesh(&self, triangles: usize) -> Mesh {
         let n = (triangles as f32 / 8.0).sqrt().round() as u32;
         let (long, short) = (4 * n, n);
@@ -51,7 +51,7 @@ impl Body {
         Mesh::new(Surface { carriers, triangles, ..Surface::default() }, &colors)
     }
 
-    /// So many Gaussians on the surface.
+    /// Gaussians on the surface.
     pub(crate) fn gaussians(&self, count: usize) -> (Carrier, Gaussians) {
         let golden = 0.618_034_f32;
         let places: Vec<Point> = (0..count)

@@ -18,7 +18,7 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// So many threads (at least one), and the rasteriser of a device, which is opened when it is first needed.
+    /// A painter with a number of threads (at least one), and the rasteriser of a device, which is opened when it is first needed.
     pub fn new(threads: usize, open: Option<OpenRasteriser>) -> Self {
         let threads = threads.max(1);
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);

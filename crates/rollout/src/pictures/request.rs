@@ -1,4 +1,4 @@
-//! The parts of a checked request for pictures, as they are drawn.
+//! The parts of a checked request for pictures, in the types of the renderer.
 
 use bendtwin_contract::picture;
 use bendtwin_core::{

@@ -43,7 +43,7 @@ pub fn props() -> Vec<Prop> {
     shapes.map(|shape| Prop { shape: Some(shape), ..Prop::default() }).to_vec()
 }
 
-/// One camera, all props, and a light.
+/// A request with a camera, all props, and a light.
 pub fn sound() -> RenderSessionRequest {
     let one = |x: f32| Some(Tensor::pack(&[1], &[x]));
     let light = Light {
