@@ -33,20 +33,6 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|");
     let body = scene::Body::new();
-    {
-        let (carrier, rest) = body.gaussians(20_000);
-        let nodes = body.nodes(3);
-        let camera = scene::camera(96);
-        let carried = carrier.at(&nodes).unwrap();
-        let placed = carried.place(&rest).unwrap();
-        let t = |name: &str, work: &mut dyn FnMut()| println!("{name} {:.2} ms", clock::best_of(9, work) * 1e3);
-        t("at", &mut || { black_box(carrier.at(&nodes).unwrap()); });
-        t("place", &mut || { black_box(carried.place(&rest).unwrap()); });
-        t("render", &mut || { black_box(Cpu::default().render(&placed, &camera).unwrap()); });
-        t("check", &mut || { bendtwin_splat::check_input(&placed, &camera, None).unwrap(); });
-        t("clone", &mut || { black_box(placed.clone()); });
-        return;
-    }
     let states: Vec<Vec<Point>> = (0..STATES).map(|k| body.nodes(k)).collect();
     for triangles in [1_000, 5_000, 8_000] {
         let mesh = body.mesh(triangles);

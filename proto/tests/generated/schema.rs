@@ -66,7 +66,7 @@ impl Comments {
         self.text(file, path)
     }
 
-    /// Comment of a field, by its message and its place there.
+    /// Of a field by its message and its place there.
     pub(crate) fn of_field(&self, (message, index): &(String, i32)) -> String {
         let (file, path) = &self.places[message];
         self.text(file, &[path.as_slice(), &[FIELD, *index]].concat())
