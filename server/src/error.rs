@@ -55,6 +55,8 @@ pub(crate) enum Error {
     #[error(transparent)]
     Registration(#[from] bendtwin_contract::registration::Error),
     #[error(transparent)]
+    Picture(#[from] bendtwin_contract::picture::Error),
+    #[error(transparent)]
     Plan(#[from] bendtwin_contract::plan::Error),
     #[error(
         "every plan diverged, the nominal one too: lower sigma, bound the speed or shorten the \

@@ -134,6 +134,7 @@ pub(crate) fn by_hand() -> Routes {
         .on("POST", "/v1/sessions/{id}/advance", sessions::advance)
         .on("POST", "/v1/sessions/{id}/correct", sessions::correct)
         .on("POST", "/v1/sessions/{id}/fork", sessions::fork)
+        .on("POST", "/v1/sessions/{id}/render", sessions::render)
         .on("POST", "/v1/sessions/{id}/reset", sessions::reset)
         .on("POST", "/v1/sessions/{id}/step", sessions::step)
         .on("GET", "/v1/twins/{id}/play", plays::play)

@@ -62,6 +62,8 @@ pub(crate) struct Device {
     alternation: Option<Alternation>,
     accounts: Arc<Accounts>,
     blame: Blame,
+    /// Turns of work for the processor, if that is not the device.
+    beside: Arc<tokio::sync::Mutex<()>>,
 }
 
 /// Work for a device's thread, which keeps its result itself.
@@ -89,13 +91,18 @@ impl Device {
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        let (accounts, blame) = (Arc::default(), Blame::default());
-        Ok(Self { threads, description, alternation, accounts, blame })
+        let (accounts, blame, beside) = (Arc::default(), Blame::default(), Arc::default());
+        Ok(Self { threads, description, alternation, accounts, blame, beside })
     }
 
     /// Description of the backend's hardware.
     pub(crate) fn description(&self) -> &Description {
         &self.description
+    }
+
+    /// True if the device is the processor, on whose cores everything else runs as well.
+    pub(crate) fn is_processor(&self) -> bool {
+        self.description.kind == CPU
     }
 
     /// Priority of the task that broke the device, if one has.
@@ -151,7 +158,7 @@ impl Device {
         match (has_urgent, priority) {
             // Nothing waits for it: it pauses while it computes, and checks for cancellation.
             (true, Priority::Background) => f64::INFINITY,
-            (true, Priority::Interactive) if self.description.kind != CPU => URGENT_WORK,
+            (true, Priority::Interactive) if !self.is_processor() => URGENT_WORK,
             _ => speed.unwrap_or(0.0) * SHARED_SLICE.as_secs_f64(),
         }
     }

@@ -4,12 +4,15 @@
 use std::{
     future::pending,
     path::{Path, PathBuf},
+    sync::Arc,
     time::Duration,
 };
 
 use bendtwin_contract::worker_key;
 use bendtwin_core::ids::WorkerId;
+use bendtwin_fit::OpenRasteriser;
 use bendtwin_proto::worker::v1::RegisterRequest;
+use bendtwin_rollout::Painter;
 use bendtwin_tls::{Mutual, Reloaded};
 use tokio::{
     net::TcpListener,
@@ -136,8 +139,15 @@ impl ServingWorker {
         let twins =
             WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
         let replays = Replays::new(server.clone(), dir, limits, memory.clone());
-        let rollouts =
-            Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
+        let rollouts = Rollouts::new(
+            id.to_string(),
+            device.clone(),
+            twins,
+            replays,
+            memory,
+            painter(device, options),
+            limits.rollouts,
+        );
         let (endpoint, serving) = serve(options, rollouts.clone(), tls).await?;
         rollouts.set_fit_bytes(if options.fits { limits.fit_bytes } else { 0 });
         let request = register_request(id, &endpoint, device, &options.labels);
@@ -154,10 +164,8 @@ impl ServingWorker {
         fatal: mpsc::UnboundedSender<Error>,
     ) -> impl Future<Output = Result<(), Error>> + Send + use<> {
         let (limits, dir) = (options.limits, self.scratch.path().to_owned());
-        let opening = options.backend.clone();
-        let rasteriser = move || bendtwin_backends::rasteriser(&opening).map_err(|e| e.to_string());
         let fits = Fits {
-            rasteriser: std::sync::Arc::new(rasteriser),
+            rasteriser: rasteriser(options),
             device: device.clone(),
             dir: dir.clone(),
             limits,
@@ -199,6 +207,18 @@ impl ServingWorker {
         }
         tracing::info!("worker ended");
     }
+}
+
+/// Opens the rasteriser of Gaussians on the worker's device.
+fn rasteriser(options: &Options) -> OpenRasteriser {
+    let options = options.backend.clone();
+    Arc::new(move || bendtwin_backends::rasteriser(&options).map_err(|e| e.to_string()))
+}
+
+/// What pictures of sessions are drawn with: the cores, and a GPU for Gaussians if it is the worker's device.
+fn painter(device: &Device, options: &Options) -> Painter {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    Painter::new(cores, (!device.is_processor()).then(|| rasteriser(options)))
 }
 
 /// The program of this process, even if its file has been replaced since the start: worker and

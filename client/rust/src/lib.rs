@@ -118,7 +118,8 @@ pub use self::{
         Statistic, Vary, WirePose, World,
     },
     sessions::{
-        Corrected, Correction, NewSession, Session, Sessions, Step, StepTimes, Stepped, Tracking,
+        Corrected, Correction, NewSession, PictureCamera, Pictures, Prop, Rendering, Session,
+        Sessions, Step, StepTimes, Stepped, Tracking,
     },
     trash::retention::{
         NewRetentionRule, Retention, RetentionOutcome, RetentionPreview, RetentionRule,

@@ -2,6 +2,7 @@
 
 mod correction;
 mod new;
+mod pictures;
 mod step;
 
 use std::{
@@ -24,6 +25,7 @@ use serde::Serialize;
 pub use self::{
     correction::{Corrected, Correction, Tracking},
     new::NewSession,
+    pictures::{PictureCamera, Pictures, Prop, Rendering},
     step::{Step, StepTimes, Stepped},
 };
 use crate::{Error, Reply, Rollout, State, client::Channel, resources::resource};
@@ -171,6 +173,21 @@ impl Sessions {
         let request = correction.into_request(name, slots);
         let reply = self.service.clone().correct_session(request).await?.into_inner();
         reply.corrections.into_iter().map(Corrected::try_from).collect()
+    }
+
+    /// Takes pictures of slots, or of all if none are named: one set for each camera. Nothing changes.
+    ///
+    /// # Errors
+    /// If a camera or a prop is wrong or too much is asked for, the twin has no Gaussians (reason `GAUSSIANS_UNKNOWN`),
+    /// the session is lost, or the server cannot be asked.
+    pub async fn render(
+        &self,
+        name: SessionId,
+        slots: &[u32],
+        rendering: Rendering,
+    ) -> Result<Vec<Pictures>, Error> {
+        let request = rendering.into_request(name, slots);
+        pictures::read(self.service.clone().render_session(request).await?.into_inner())
     }
 
     /// Takes a step of a closed loop: corrects a slot by what is seen, plans from there, and advances it

@@ -2525,17 +2525,17 @@ export interface components {
             /** Format: int64 */
             twins: number;
         };
-        /** @description A pinhole camera without distortion. Axes as in OpenCV: x to the right, y down, z forward; the centre of the first pixel is at (0, 0). */
+        /** @description A pinhole camera without distortion. Axes as in OpenCV: x to the right, y down, z forward; the centre of the first pixel is at (0, 0). Surfaces and props nearer than 1 cm and Gaussians nearer than 5 cm are not seen, nor is a closed surface from its inside. */
         PictureCamera: {
             /** @description What is seen where there is neither the object nor a prop (sRGB): UINT8 [height, width, 3] or [S, height, width, 3], or a colour, [3] or [S, 3]. Absent: a light grey. */
             background?: components["schemas"]["Tensor"];
             /** Format: int64 */
             height?: number;
-            /** @description fx, fy, cx, cy in pixels: FLOAT32 [4] or [S, 4]. */
+            /** @description fx, fy, cx, cy in pixels: FLOAT32 [4] or [S, 4]; fx and fy above 0, all up to 1e6. */
             intrinsics?: components["schemas"]["Tensor"];
             /** @description Name in errors; default `camera{index}`. At most 128 bytes. */
             name?: string;
-            /** @description Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 [7] or [S, 7]. */
+            /** @description Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 [7] or [S, 7]. Coordinates up to 1000. */
             pose?: components["schemas"]["Tensor"];
             /**
              * Format: int64
@@ -2994,9 +2994,9 @@ export interface components {
         "RenderedSession.Pictures": {
             /** @description sRGB, UINT8 [S, height, width, 3]. */
             colors?: components["schemas"]["Tensor"];
-            /** @description Distance along the camera's axis, metres; 0 where only the background is seen. FLOAT32 [S, height, width]. */
+            /** @description Distance of what the label names along the camera's axis, metres; 0 for the background. FLOAT32 [S, height, width]. */
             depths?: components["schemas"]["Tensor"];
-            /** @description What is seen: 0 the background, 1 the object, 2 + i prop i. UINT8 [S, height, width]. */
+            /** @description What covers most of a pixel: 0 the background, 1 the object, 2 + i prop i. UINT8 [S, height, width]. */
             labels?: components["schemas"]["Tensor"];
         };
         ResetSessionRequest: {

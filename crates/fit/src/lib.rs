@@ -20,7 +20,8 @@ mod submit;
 mod task;
 
 pub use bendtwin_appearance::ComparedPair;
+pub use bendtwin_splat::OpenRasteriser;
 pub use distill::{Budget, Choice, Distillation};
 pub use error::Error;
 pub use job::{FitJob, Outcome};
-pub use look::{Look, LookInput, OpenRasteriser, OpenVideo};
+pub use look::{Look, LookInput, OpenVideo};

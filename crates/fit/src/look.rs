@@ -1,6 +1,6 @@
 //! Twins drawn into the views of a recording: their likeness to it, and videos beside it.
 
-use std::{io::Write, sync::Arc};
+use std::io::Write;
 
 use bendtwin_appearance::{
     ComparedPair, Dressed, Motion, Scene, compared_pairs, score, side_by_side,
@@ -8,12 +8,9 @@ use bendtwin_appearance::{
 use bendtwin_core::{CancelToken, Capture, FitSettings, Twin, Views, quality::RenderedScore};
 use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{Trajectory, predict};
-use bendtwin_splat::Rasteriser;
+use bendtwin_splat::{OpenRasteriser, Rasteriser};
 
 use crate::Error;
-
-/// Opens a rasteriser, or says why it cannot be.
-pub type OpenRasteriser = Arc<dyn Fn() -> Result<Box<dyn Rasteriser>, String> + Send + Sync>;
 
 /// Opens the file of a camera's video, by the index of the camera.
 pub type OpenVideo<'a> = &'a mut dyn FnMut(usize) -> std::io::Result<Box<dyn Write>>;

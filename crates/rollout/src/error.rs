@@ -1,6 +1,6 @@
 //! Reasons why a rollout is refused or fails.
 
-use bendtwin_contract::{registration, rollout};
+use bendtwin_contract::{picture, registration, rollout};
 use bendtwin_core::Problem;
 use bendtwin_engine::backend;
 use bendtwin_proto::tensor::TensorError;
@@ -15,6 +15,21 @@ pub enum Error {
     /// The registration or correction is wrong, too large or does not fit the twin.
     #[error(transparent)]
     Observation(#[from] registration::Error),
+    /// The pictures are wrong or too large.
+    #[error(transparent)]
+    Picture(#[from] picture::Error),
+    /// The twin has no Gaussians.
+    #[error(
+        "{twin} has no Gaussians: ask for SURFACE, or fit its capture with appearance.gaussians"
+    )]
+    #[problem(FailedPrecondition, "GAUSSIANS_UNKNOWN")]
+    NoGaussians {
+        /// twins/{uuid}
+        twin: String,
+    },
+    /// The Gaussians of the twin cannot be drawn.
+    #[error(transparent)]
+    Appearance(#[from] bendtwin_appearance::Error),
     /// The twin does not explain the observation.
     #[error(transparent)]
     Register(register::Error),

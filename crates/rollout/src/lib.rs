@@ -13,6 +13,7 @@
 //! - `world` has what surrounds the object: ground, bodies, grasps.
 //! - `twin` has the twin's models: the exact one, the fast variant, the planner's twin.
 //! - `run` plans and simulates, `reply` packs what is returned.
+//! - `pictures` draws the states of sessions, as cameras see them.
 //! - `session` keeps states between calls; `register` and `evaluate` answer the other requests about a
 //!   twin.
 //!
@@ -24,6 +25,7 @@ pub mod cut;
 mod error;
 mod evaluate;
 mod observation;
+mod pictures;
 mod register;
 mod reply;
 mod request;
@@ -36,6 +38,7 @@ pub use self::{
     backend::RolloutBackend,
     error::Error,
     evaluate::evaluate_twin,
+    pictures::{Painter, Pictures, SlotPictures},
     register::register_state,
     request::{
         checked::{Checked, Room},

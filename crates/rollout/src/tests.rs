@@ -7,6 +7,7 @@ mod fidelity;
 mod gradients;
 mod limit;
 mod obstacles;
+mod pictures;
 mod planner;
 mod registration;
 mod skin;

@@ -23,9 +23,14 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
+use self::grasps::HoldContext;
 pub use self::still::Still;
-pub(crate) use self::{ended::Ended, holds::Path};
-use self::{grasps::HoldContext, shapes::three};
+pub(crate) use self::{
+    ended::Ended,
+    holds::Path,
+    hull::hull,
+    shapes::{sides, three},
+};
 use crate::{
     error::Error,
     request::{actions::Actions, plausible::Obstacles, vary::Factors},

@@ -22,5 +22,5 @@ pub use self::{
     error::Error,
     gaussians::{Gaussians, GaussiansBar},
     image::{Image, ImageBar},
-    rasteriser::{Rasteriser, check_input},
+    rasteriser::{OpenRasteriser, Rasteriser, check_input},
 };

@@ -1,5 +1,7 @@
 //! The interface of rasterisers.
 
+use std::sync::Arc;
+
 use crate::{Camera, Error, Gaussians, GaussiansBar, Image, ImageBar};
 
 /// Draws Gaussians, and passes derivatives of a loss by the image back to them.
@@ -36,6 +38,9 @@ pub trait Rasteriser: Send {
     /// Name for logs and reports.
     fn name(&self) -> String;
 }
+
+/// Opens a rasteriser, or says why it cannot be.
+pub type OpenRasteriser = Arc<dyn Fn() -> Result<Box<dyn Rasteriser>, String> + Send + Sync>;
 
 /// Checks what every rasteriser is given.
 ///

@@ -28,6 +28,22 @@ pub fn of_twin(twin: &Twin) -> Option<Cow<'_, Surface>> {
     }
 }
 
+/// Colours of all vertices of a twin's surface, those of tubes included (sRGB), shape [V, 3]; empty if they are not
+/// known.
+pub fn vertex_colors(twin: &Twin, surface: &Surface) -> Vec<[u8; 3]> {
+    let own = surface.carriers.len();
+    if surface.tubes.is_empty() {
+        return surface.colors.clone();
+    }
+    let colors = twin.appearance.as_ref().map_or(&[][..], |look| &look.skin_colors);
+    let rest = &twin.graph.rest_positions;
+    let mut all = color::of_vertices(&surface.positions(rest), &twin.skin.positions(rest), colors);
+    if all.len() >= own && surface.colors.len() == own {
+        all[..own].copy_from_slice(&surface.colors);
+    }
+    all
+}
+
 /// The surface of a twin at rest; `None` if its points are too few for one.
 ///
 /// `colors` has the colour of each skin point (sRGB), shape [M, 3], or is empty.

@@ -12695,9 +12695,10 @@ pub mod render_session_request {
     pub enum Look {
         /// GAUSSIANS if the twin has them, otherwise SURFACE.
         Unspecified = 0,
-        /// The surface of the twin, in its colours.
+        /// The surface of the twin, in its colours; a light blue grey where they are not known.
         Surface = 1,
-        /// The Gaussians of the twin. Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none.
+        /// The Gaussians of the twin, in the light of their recording: of `light`, only `brightness` applies to them.
+        /// Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none.
         Gaussians = 2,
     }
     impl Look {
@@ -12724,7 +12725,8 @@ pub mod render_session_request {
     }
 }
 /// A pinhole camera without distortion. Axes as in OpenCV: x to the right, y down, z forward; the centre of the
-/// first pixel is at (0, 0).
+/// first pixel is at (0, 0). Surfaces and props nearer than 1 cm and Gaussians nearer than 5 cm are not seen, nor is
+/// a closed surface from its inside.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PictureCamera {
     /// Name in errors; default `camera{index}`. At most 128 bytes.
@@ -12735,10 +12737,10 @@ pub struct PictureCamera {
     pub width: u32,
     #[prost(uint32, tag = "3")]
     pub height: u32,
-    /// fx, fy, cx, cy in pixels: FLOAT32 \[4\] or \[S, 4\].
+    /// fx, fy, cx, cy in pixels: FLOAT32 \[4\] or \[S, 4\]; fx and fy above 0, all up to 1e6.
     #[prost(message, optional, tag = "4")]
     pub intrinsics: ::core::option::Option<Tensor>,
-    /// Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 \[7\] or \[S, 7\].
+    /// Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 \[7\] or \[S, 7\]. Coordinates up to 1000.
     #[prost(message, optional, tag = "5")]
     pub pose: ::core::option::Option<Tensor>,
     /// What is seen where there is neither the object nor a prop (sRGB): UINT8 \[height, width, 3\] or \[S, height,
@@ -12802,10 +12804,11 @@ pub mod rendered_session {
         /// sRGB, UINT8 \[S, height, width, 3\].
         #[prost(message, optional, tag = "1")]
         pub colors: ::core::option::Option<super::Tensor>,
-        /// Distance along the camera's axis, metres; 0 where only the background is seen. FLOAT32 \[S, height, width\].
+        /// Distance of what the label names along the camera's axis, metres; 0 for the background. FLOAT32 \[S, height,
+        /// width\].
         #[prost(message, optional, tag = "2")]
         pub depths: ::core::option::Option<super::Tensor>,
-        /// What is seen: 0 the background, 1 the object, 2 + i prop i. UINT8 \[S, height, width\].
+        /// What covers most of a pixel: 0 the background, 1 the object, 2 + i prop i. UINT8 \[S, height, width\].
         #[prost(message, optional, tag = "3")]
         pub labels: ::core::option::Option<super::Tensor>,
     }

@@ -5288,7 +5288,7 @@ impl Fields for crate::v1::PictureCamera {
 2 => { self.height = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 3 => { self.intrinsics = tensor(map, Dtype::Float32)?; }
 4 => { self.pose = tensor(map, Dtype::Float32)?; }
-5 => { self.background = tensor(map, Dtype::Float32)?; }
+5 => { self.background = tensor(map, Dtype::Uint8)?; }
 
             _ => {}
         }
@@ -5320,7 +5320,7 @@ impl Fields for crate::v1::Prop {
 2 => { only_one(&mut self.shape, message(map)?.map(crate::v1::prop::Shape::Cuboid))?; }
 3 => { only_one(&mut self.shape, message(map)?.map(crate::v1::prop::Shape::ConvexMesh))?; }
 4 => { self.pose = tensor(map, Dtype::Float32)?; }
-5 => { self.color = tensor(map, Dtype::Float32)?; }
+5 => { self.color = tensor(map, Dtype::Uint8)?; }
 
             _ => {}
         }

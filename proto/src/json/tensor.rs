@@ -175,7 +175,7 @@ struct Lists {
 }
 
 impl Lists {
-    fn number<E: Error>(&mut self, depth: usize, bytes: [u8; 4]) -> Result<(), E> {
+    fn number<E: Error>(&mut self, depth: usize, bytes: &[u8]) -> Result<(), E> {
         let is_uneven = self.lengths.get(depth).is_some_and(Option::is_some);
         if *self.rank.get_or_insert(depth) != depth || is_uneven {
             return Err(E::custom("has a number beside a list"));
@@ -217,13 +217,15 @@ struct Level<'l> {
 impl Level<'_> {
     fn float<E: Error>(self, x: f64) -> Result<(), E> {
         let single = x as f32;
-        if self.lists.dtype == Dtype::Uint32 {
-            return Err(E::custom("has an entry that is no index"));
+        match self.lists.dtype {
+            Dtype::Uint32 => return Err(E::custom("has an entry that is no index")),
+            Dtype::Uint8 => return Err(E::custom("has an entry that is no byte")),
+            _ => {}
         }
         if !single.is_finite() {
             return Err(E::custom("has an entry that is no finite number"));
         }
-        self.lists.number(self.depth, single.to_le_bytes())
+        self.lists.number(self.depth, &single.to_le_bytes())
     }
 }
 
@@ -252,11 +254,19 @@ impl<'de> Visitor<'de> for Level<'_> {
     }
 
     fn visit_u64<E: Error>(self, n: u64) -> Result<(), E> {
-        if self.lists.dtype != Dtype::Uint32 {
-            return self.float(n as f64);
+        match self.lists.dtype {
+            Dtype::Uint32 => {
+                let index = u32::try_from(n);
+                let index = index.map_err(|_| E::custom("has an entry that is no index"))?;
+                self.lists.number(self.depth, &index.to_le_bytes())
+            }
+            Dtype::Uint8 => {
+                let byte = u8::try_from(n);
+                let byte = byte.map_err(|_| E::custom("has an entry that is no byte"))?;
+                self.lists.number(self.depth, &[byte])
+            }
+            _ => self.float(n as f64),
         }
-        let index = u32::try_from(n).map_err(|_| E::custom("has an entry that is no index"))?;
-        self.lists.number(self.depth, index.to_le_bytes())
     }
 
     fn visit_i64<E: Error>(self, n: i64) -> Result<(), E> {

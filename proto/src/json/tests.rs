@@ -2,7 +2,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::v1::{
-    Cost, Fidelity, InitialState, Interpolation, RollOutRequest, RollOutResponse, Tensor,
+    Cost, Fidelity, InitialState, Interpolation, Prop, RollOutRequest, RollOutResponse, Tensor,
     cost::{Kind, When},
     initial_state::State,
     roll_out_request::Actions,
@@ -109,6 +109,20 @@ fn lists_and_bytes_are_the_same_tensor() {
     }
     let lists = &written(&reply, TensorFormat::Lists)["positions"];
     assert_eq!(lists, &json!([[[0.0, 1.0, 2.0]], [[3.0, 4.0, 5.5]]]));
+}
+
+#[test]
+fn lists_of_colours_are_bytes() {
+    let color = |json: Value| {
+        let text = json!({"color": json}).to_string();
+        let prop = serde_json::from_str::<Read<Prop>>(&text).map_err(|e| e.to_string());
+        prop.map(|prop| prop.0.color.unwrap())
+    };
+    assert_eq!(color(json!([[0, 128, 255]])), Ok(Tensor::pack(&[1, 3], &[0u8, 128, 255])));
+    for wrong in [json!([256, 0, 0]), json!([-1, 0, 0]), json!([0.5, 0, 0])] {
+        let error = color(wrong.clone()).unwrap_err();
+        assert!(error.contains("no byte"), "{wrong}: {error}");
+    }
 }
 
 #[test]

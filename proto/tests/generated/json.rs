@@ -11,7 +11,7 @@ use super::contract::{Contract, Form, Shown, is_repeated};
 
 const PACKAGE: &str = ".bendtwin.v1.";
 
-/// Tensors whose lists in JSON are of UINT32; all others are of FLOAT32.
+/// Tensors whose lists in JSON are of UINT32; those that are not named here or below are of FLOAT32.
 const INDICES: [&str; 8] = [
     "gripper_of_control",
     "group_of_control",
@@ -22,6 +22,9 @@ const INDICES: [&str; 8] = [
     "holders",
     "gradient_exploded",
 ];
+
+/// Tensors whose lists are of UINT8.
+const BYTES: [&str; 2] = ["background", "color"];
 
 /// The implementations as Rust code.
 pub(crate) fn implementations(contract: &Contract) -> String {
@@ -134,7 +137,7 @@ struct Lines {
 }
 
 impl Lines {
-    /// Of a field that an update may change: what is given is in the mask.
+    /// Lines of a field that an update may change: a given value is in the mask.
     fn of_update(resource: &str, field: &str) -> Self {
         let read = format!(
             "if let Some(value) = map.next_value::<Option<_>>()? {{ \
@@ -190,7 +193,11 @@ impl Lines {
                 ),
             ),
             Type::Message if field.type_name().ends_with(".Tensor") => {
-                let dtype = if INDICES.contains(&name) { "Uint32" } else { "Float32" };
+                let dtype = match name {
+                    _ if INDICES.contains(&name) => "Uint32",
+                    _ if BYTES.contains(&name) => "Uint8",
+                    _ => "Float32",
+                };
                 match oneof {
                     None => text(
                         format!("self.{name} = tensor(map, Dtype::{dtype})?;"),

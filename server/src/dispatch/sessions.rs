@@ -6,15 +6,15 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_contract::{
-    registration,
+    picture, registration,
     rollout::{self, SessionParts},
 };
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
-        GetSessionStatesRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,
-        Session, SessionStates,
+        GetSessionStatesRequest, InitialState, OpenSessionRequest, RenderSessionRequest,
+        RenderedSession, RollOutRequest, RollOutResponse, Session, SessionStates,
         initial_state::{SessionSlots, State},
     },
     worker::v1::{
@@ -244,6 +244,30 @@ impl Dispatch {
         let reply = self.manage_known(id, &entry, held.twin, call, timeout).await?;
         let missing = || Error::Internal("a worker's reply has no correction".to_owned());
         Ok((reply.corrected.ok_or_else(missing)?, ReplyHold::of(share)))
+    }
+
+    /// Pictures of slots of a session; the reply with its memory. `as_lists` if it is to be written as nested lists of
+    /// JSON.
+    pub(crate) async fn render_session(
+        &self,
+        render: RenderSessionRequest,
+        timeout: Option<Duration>,
+        as_lists: bool,
+    ) -> Result<(RenderedSession, ReplyHold)> {
+        let (id, entry, held) = self.named(&render.name).await?;
+        let slots = match render.slots.len() {
+            0 => u64::from(held.slots),
+            count => count as u64,
+        };
+        let mut limits = self.limits.rollout;
+        if as_lists {
+            limits.reply_bytes = limits.json_reply_bytes;
+        }
+        picture::check_pictures(&render, slots, &limits)?;
+        let share = self.memory.reply(picture::reply_bytes(&render, slots)).await?;
+        let reply = self.manage_known(id, &entry, held.twin, Call::Render(render), timeout).await?;
+        let missing = || Error::Internal("a worker's reply has no pictures".to_owned());
+        Ok((reply.rendered.ok_or_else(missing)?, ReplyHold::of(share)))
     }
 
     /// Ends a session; it is no error if it has ended.

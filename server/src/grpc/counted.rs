@@ -106,6 +106,7 @@ fn encoded(path: &str) -> Message {
         Some("ResetSession") => Message::One(Encoded::Reset),
         Some("RegisterState") => Message::One(Encoded::Register),
         Some("CorrectSession") => Message::One(Encoded::Correct),
+        Some("RenderSession") => Message::One(Encoded::Render),
         Some("StepSession") => Message::One(Encoded::Step),
         Some("ControlSession") => Message::Several(Encoded::Advance),
         _ => Message::One(Encoded::Other),

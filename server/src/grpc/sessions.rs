@@ -8,8 +8,9 @@ use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CloseSessionResponse, CorrectSessionRequest,
         CorrectedSession, ForkSessionRequest, GetSessionRequest, GetSessionStatesRequest,
-        OpenSessionRequest, ResetSessionRequest, RollOutResponse, Session, SessionStates,
-        StepSessionRequest, SteppedSession, session_service_server::SessionService,
+        OpenSessionRequest, RenderSessionRequest, RenderedSession, ResetSessionRequest,
+        RollOutResponse, Session, SessionStates, StepSessionRequest, SteppedSession,
+        session_service_server::SessionService,
     },
     worker::v1::manage_session_request::Call,
 };
@@ -135,9 +136,16 @@ impl SessionService for Api {
 
     async fn render_session(
         &self,
-        _request: Request<bendtwin_proto::v1::RenderSessionRequest>,
-    ) -> Result<Response<bendtwin_proto::v1::RenderedSession>, Status> {
-        Err(Status::unimplemented("PLACEHOLDER"))
+        request: Request<RenderSessionRequest>,
+    ) -> Result<Response<RenderedSession>, Status> {
+        let timeout = timeout(request.metadata());
+        // Held until the worker has the request.
+        let _memory = memory_of(&request);
+        let render = request.into_inner();
+        let (rendered, held) = self.app.render_session(render, timeout, false).await?;
+        let mut response = Response::new(rendered);
+        response.extensions_mut().insert(held);
+        Ok(response)
     }
 
     async fn step_session(

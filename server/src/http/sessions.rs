@@ -12,7 +12,7 @@ use bendtwin_proto::{
     json::TensorFormat,
     v1::{
         AdvanceSessionRequest, CorrectSessionRequest, ForkSessionRequest, GetSessionStatesRequest,
-        OpenSessionRequest, ResetSessionRequest, StepSessionRequest,
+        OpenSessionRequest, RenderSessionRequest, ResetSessionRequest, StepSessionRequest,
     },
     worker::v1::manage_session_request::Call,
 };
@@ -118,6 +118,23 @@ pub(super) async fn correct(
     let (timeout, as_lists) = (params.timeout()?, form.is_lists());
     let (corrected, held) = app.correct_session(message, timeout, as_lists).await?;
     form.answer(corrected, held)
+}
+
+/// Take pictures of slots
+pub(super) async fn render(
+    State(app): State<App>,
+    Id(id): Id,
+    Params(params): Params<ReplyParams>,
+    request: Request,
+) -> Result<Response> {
+    let body: Body<RenderSessionRequest> =
+        Body::read(&app, request, Encoded::Render, params.tensors()).await?;
+    // Held until the worker has the request.
+    let Body { mut message, memory: _memory, form } = body;
+    message.name = name(&id, message.name)?;
+    let (timeout, as_lists) = (params.timeout()?, form.is_lists());
+    let (rendered, held) = app.render_session(message, timeout, as_lists).await?;
+    form.answer(rendered, held)
 }
 
 /// Set slots back

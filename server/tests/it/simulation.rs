@@ -2,6 +2,7 @@
 //! and steps of closed loops, by one worker or several.
 
 mod evaluations;
+mod pictures;
 mod places;
 mod plans;
 mod registrations;

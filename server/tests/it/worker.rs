@@ -21,10 +21,12 @@ use bendtwin_proto::{
     fault,
     v1::{
         CorrectSessionRequest, CorrectedSession, EvaluateTwinRequest, Evaluation, FitPreview,
-        Grasping, ModelLoss, PredictedMotion, Progress, RegisteredState, RollOutResponse, Session,
-        SessionStates, Tensor, Tracking,
+        Grasping, ModelLoss, PictureCamera, PredictedMotion, Progress, RegisteredState,
+        RenderSessionRequest, RenderedSession, RollOutResponse, Session, SessionStates, Tensor,
+        Tracking,
         corrected_session::Correction,
         initial_state::GivenState,
+        rendered_session::Pictures,
         roll_out_request::Actions,
         roll_out_response::{Divergence, Implausible, Timing},
     },
@@ -383,6 +385,19 @@ fn corrected(correct: CorrectSessionRequest) -> ManageSessionResponse {
     ManageSessionResponse { corrected: Some(corrected), ..ManageSessionResponse::default() }
 }
 
+/// Black pictures of all slots that are asked for.
+fn rendered(render: &RenderSessionRequest) -> ManageSessionResponse {
+    let black = |camera: &PictureCamera| {
+        let size = [render.slots.len(), camera.height as usize, camera.width as usize];
+        let colors = vec![0_u8; 3 * size.iter().product::<usize>()];
+        let colors = Some(Tensor::pack(&[size[0], size[1], size[2], 3], &colors));
+        Pictures { colors, ..Pictures::default() }
+    };
+    let cameras = render.cameras.iter().map(black).collect();
+    let rendered = Some(RenderedSession { cameras, slots: render.slots.clone() });
+    ManageSessionResponse { rendered, ..ManageSessionResponse::default() }
+}
+
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
     type WatchStream = Pin<Box<dyn Stream<Item = Result<WatchResponse, Status>> + Send>>;
@@ -429,6 +444,7 @@ impl WorkerRollouts for Device {
                     }
                 };
             }
+            Call::Render(render) => return Ok(Response::new(rendered(&render))),
             other => return Err(Status::unimplemented(format!("{other:?}"))),
         };
         let session = Some(Session { name, slots, ..Session::default() });

@@ -3,7 +3,9 @@
 
 use std::time::Duration;
 
-use bendtwin_client::{Client, NewSession, Point, Rollout, SessionId, State};
+use bendtwin_client::{
+    Client, NewSession, PictureCamera, Point, Prop, Rendering, Rollout, SessionId, Shape, State,
+};
 use bendtwin_core::Category;
 use bendtwin_proto::v1::{
     AdvanceSessionRequest, ForkSessionRequest, GetSessionStatesRequest, Grasp, OpenSessionRequest,
@@ -133,6 +135,50 @@ async fn a_session_over_http_goes_where_one_rollout_goes() {
     let lost = http.get(&path).await;
     assert_eq!(lost.status(), StatusCode::CONFLICT);
     assert_eq!(lost.json::<Value>().await.unwrap()["reason"], "SESSION_LOST");
+}
+
+#[tokio::test]
+async fn a_session_is_pictured_alike_over_grpc_and_http() {
+    let story = Story::begin().await;
+    let (http, client) = (story.server.http(), story.client().await);
+    let sessions = client.sessions();
+    let twin = story.twin.name.parse().unwrap();
+    let session = sessions.open(NewSession::of(twin).slots(2)).await.unwrap();
+    // From below and in front, in the middle of the object.
+    let state = sessions.states(session.name, &[0]).await.unwrap().remove(0);
+    let count = state.positions.len() as f32;
+    let sum =
+        state.positions.iter().fold([0.0; 3], |sum: Point, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+    let middle = sum.map(|x| x / count);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let pose = [middle[0], middle[1] - 1.0, middle[2], -half, 0.0, 0.0, half];
+    let intrinsics = [60.0, 60.0, 31.5, 23.5];
+    let camera = PictureCamera::new([64, 48], intrinsics, pose).background([9, 8, 7]);
+    let ball = Prop::new(Shape::sphere([middle[0] + 0.3, middle[1], middle[2]], 0.1));
+    let asked = Rendering::by([camera]).surface().prop(ball.color([200, 0, 0])).depths().labels();
+    let taken = sessions.render(session.name, &[1, 0], asked).await.unwrap().remove(0);
+    assert_eq!(taken.shape, [2, 48, 64]);
+    for label in 0..=2 {
+        assert!(taken.labels.contains(&label), "{label}");
+    }
+    assert!(taken.labels.iter().zip(&taken.depths).all(|(label, d)| (*label == 0) == (*d == 0.0)));
+    assert!(taken.depths.iter().all(|d| *d == 0.0 || (0.2..3.0).contains(d)));
+
+    let camera = json!({"width": 64, "height": 48, "intrinsics": intrinsics, "pose": pose,
+        "background": [9, 8, 7]});
+    let center = [middle[0] + 0.3, middle[1], middle[2]];
+    let prop = json!({"sphere": {"center": center, "radius_m": 0.1}, "color": [200, 0, 0]});
+    let body = json!({"cameras": [camera], "props": [prop], "look": "SURFACE", "slots": [1]});
+    let path = format!("/v1/{}/render", session.name);
+    let (status, reply) = post(&http, &path, &body).await;
+    assert_eq!(status, StatusCode::OK, "{reply}");
+    let colors: Vec<Vec<Vec<[u8; 3]>>> =
+        serde_json::from_value(reply["cameras"][0]["colors"].clone()).unwrap();
+    let colors = colors.concat().concat().concat();
+    assert!(colors == taken.colors[..colors.len()], "the first picture of the other call");
+    let gaussians = json!({"cameras": body["cameras"], "look": "GAUSSIANS"});
+    let (status, problem) = post(&http, &path, &gaussians).await;
+    assert_eq!((status, &problem["reason"]), (StatusCode::CONFLICT, &json!("GAUSSIANS_UNKNOWN")));
 }
 
 #[tokio::test]

@@ -55,6 +55,23 @@ impl QueuedBackend {
         Self(Arc::new(Shared { device, flow, forward, backward }))
     }
 
+    /// Runs a short piece of work on the cores of the processor, in the turns of this backend if the processor is
+    /// the device. Beside another device, which it must not keep waiting, pieces take turns in the order of arrival.
+    /// Blocks its thread, which must not be one of the runtime's own.
+    ///
+    /// # Errors
+    /// If the device has failed.
+    pub(crate) fn on_processor<R: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> R + Send + 'static,
+    ) -> Result<R, Error> {
+        if self.0.device.is_processor() {
+            return Ok(self.0.call_once(move |_| Ok(work()))?.0);
+        }
+        let _turn = self.0.device.beside.blocking_lock();
+        Ok(work())
+    }
+
     /// Results, none of what is not done by the time of the token.
     fn sliced<R: Send + 'static>(
         &self,

@@ -455,3 +455,32 @@ fn a_fit_on_the_cpu_pauses_within_a_batch_and_its_results_are_the_same() {
     assert!(answered > 2, "{answered} rollouts beside one batch of the fit");
     assert_eq!(fitting.join().unwrap().unwrap(), undisturbed);
 }
+
+#[test]
+fn work_for_the_processor_has_turns_at_the_device_only_if_that_is_the_processor() {
+    for (kind, at_device) in [("cpu", true), ("cuda", false)] {
+        let (device, _died) = device(Slow { kind, ..Slow::default() });
+        let backend = device.backend(Priority::Interactive);
+        let own = std::thread::current().id();
+        let other = backend.on_processor(move || std::thread::current().id() != own).unwrap();
+        assert_eq!(other, at_device, "{kind}");
+    }
+    // Pieces beside a GPU exclude one another.
+    let (device, _died) = device(Slow { kind: "cuda", ..Slow::default() });
+    let (under_way, most) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            let (under_way, most) = (Arc::clone(&under_way), Arc::clone(&most));
+            let backend = device.backend(Priority::Interactive);
+            scope.spawn(move || {
+                let piece = move || {
+                    most.fetch_max(under_way.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+                    std::thread::yield_now();
+                    under_way.fetch_sub(1, Ordering::SeqCst);
+                };
+                backend.on_processor(piece).unwrap();
+            });
+        }
+    });
+    assert_eq!(most.load(Ordering::SeqCst), 1);
+}

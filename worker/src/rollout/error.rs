@@ -4,7 +4,7 @@
 use std::str::FromStr;
 
 use bendtwin_budget::Exhausted;
-use bendtwin_contract::{registration, rollout as contract};
+use bendtwin_contract::{picture, registration, rollout as contract};
 use bendtwin_core::{Problem, ids::InvalidName, twin::format::FormatError};
 use bendtwin_engine::backend;
 
@@ -70,6 +70,12 @@ impl Error {
 
 impl From<contract::Error> for Error {
     fn from(error: contract::Error) -> Self {
+        Self::Rollout(error.into())
+    }
+}
+
+impl From<picture::Error> for Error {
+    fn from(error: picture::Error) -> Self {
         Self::Rollout(error.into())
     }
 }

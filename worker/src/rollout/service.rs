@@ -24,7 +24,7 @@ use bendtwin_proto::{
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
-use bendtwin_rollout::Sessions;
+use bendtwin_rollout::{Painter, Sessions};
 use bytes::Bytes;
 use futures::Stream;
 use http_body_util::BodyExt as _;
@@ -67,6 +67,8 @@ pub(super) struct Inner {
     pub(super) replays: Replays,
     pub(super) sessions: Sessions,
     pub(super) memory: Memory,
+    /// Draws pictures of sessions.
+    pub(super) painter: Arc<Painter>,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
     /// Cancelled once a server has set them: the worker is registered.
@@ -84,6 +86,7 @@ impl Rollouts {
         twins: WarmTwins,
         replays: Replays,
         memory: Memory,
+        painter: Painter,
         most: usize,
     ) -> Self {
         let most = most.min(Semaphore::MAX_PERMITS);
@@ -97,6 +100,7 @@ impl Rollouts {
             replays,
             sessions,
             memory,
+            painter: Arc::new(painter),
             limits,
             registered: CancellationToken::new(),
             status: WorkerStatus::default(),

@@ -1,7 +1,8 @@
-//! The calls about sessions that simulate nothing but the way to a first state, and corrections of
-//! their states.
+//! The calls about sessions that simulate nothing but the way to a first state, corrections of their
+//! states, and pictures of them.
 
 mod correct;
+mod render;
 
 use std::sync::Arc;
 
@@ -80,7 +81,12 @@ impl Inner {
                 let corrected = Some(self.correct(correct, under_way).await?);
                 return Ok((ManageSessionResponse { corrected, ..Default::default() }, None));
             }
-            Call::Render(_) => return Err(Error::field("call", "PLACEHOLDER")),
+            Call::Render(render) => {
+                let (rendered, share) = self.render(render, under_way).await?;
+                let rendered = Some(rendered);
+                let reply = ManageSessionResponse { rendered, ..Default::default() };
+                return Ok((reply, Some(share)));
+            }
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
                     self.sessions.close(session.id);

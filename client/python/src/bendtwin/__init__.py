@@ -64,6 +64,7 @@ from bendtwin.simulation.costs import (
     Within,
 )
 from bendtwin.simulation.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.simulation.pictures import Light, PictureCamera, Pictures, Prop
 from bendtwin.simulation.places import GraspPlaces, grasp_places
 from bendtwin.simulation.plan import GraspSearch, PlanArguments, PlanUpdate, Search
 from bendtwin.simulation.registration import Correction, Registration, Residual, Tracking
@@ -153,6 +154,7 @@ __all__ = [
     "JobState",
     "Keypoints",
     "LabelArguments",
+    "Light",
     "ListArguments",
     "LossCurve",
     "MadeShare",
@@ -160,12 +162,15 @@ __all__ = [
     "Motion",
     "Order",
     "OwnerUsage",
+    "PictureCamera",
+    "Pictures",
     "PlanArguments",
     "PlanUpdate",
     "Plane",
     "Plausibility",
     "Progress",
     "Project",
+    "Prop",
     "Quotas",
     "Registration",
     "Requirements",

@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 from bendtwin import calls, owner_calls, session_calls
 from bendtwin.captures.archive import archive_of, masks_of
 from bendtwin.captures.motion import Motion, bundle, bundle_file
+from bendtwin.captures.playback import playback_cameras
 from bendtwin.captures.uploads import Sender
 from bendtwin.connection.caller import Caller
+from bendtwin.connection.download import downloaded
 from bendtwin.connection.token import shown_token
 from bendtwin.connection.transport import transport
 from bendtwin.errors import FitFailed, IngestFailed
@@ -42,6 +44,7 @@ from bendtwin.resources import (
     Worker,
 )
 from bendtwin.session import Session
+from bendtwin.simulation.pictures import PictureCamera
 from bendtwin.simulation.rollout import Fidelity
 from bendtwin.simulation.state import InitialState
 from bendtwin.simulation.world import Grasp, Vary, World
@@ -285,6 +288,42 @@ class Client:
     def download_masks(self, name: str, path: str | PathLike[str]) -> None:
         """Writes the masks that the last ingest of a capture made of strokes (ZIP)."""
         self._caller.save(calls.export_masks(name), path)
+
+    def download_playback(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes the playback of a capture: small images of its cameras, their calibration, and
+        tracked points (docs/formats/playback.md)."""
+        Path(path).write_bytes(self._playback(name))
+
+    def capture_cameras(
+        self,
+        name: str,
+        *,
+        width: int,
+        height: int,
+        sequence: int = 0,
+        backgrounds: bool = True,
+    ) -> list[PictureCamera]:
+        """Cameras of another size at the places of those that recorded a capture, for
+        `Session.render`: the middle of their images, as large as fits.
+
+        The background of each is the median of its images over time, without what their masks
+        label, so that object and hands vanish as far as possible. It needs Pillow:
+        `pip install "bendtwin[pictures]"`. Cameras that are not calibrated are left out.
+
+        `sequence` is the index among the sequences of all recordings of the capture.
+        """
+        content = self._playback(name)
+        return [
+            camera.picture_camera(width, height, background=backgrounds)
+            for camera in playback_cameras(content, sequence)
+            if len(camera.poses)
+        ]
+
+    def _playback(self, name: str) -> bytes:
+        def load() -> bytes:
+            return downloaded(self._transport, f"/v1/{name}/playback", self._token)
+
+        return self._caller.blocking(load)
 
     # Fits
 

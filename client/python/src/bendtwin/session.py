@@ -15,6 +15,14 @@ from bendtwin.connection.caller import Caller
 from bendtwin.kept import Kept
 from bendtwin.resources import SessionInfo
 from bendtwin.simulation.arguments import RolloutArguments, rollout_request
+from bendtwin.simulation.pictures import (
+    Light,
+    Look,
+    PictureCamera,
+    Pictures,
+    Prop,
+    render_session,
+)
 from bendtwin.simulation.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.simulation.registration import CorrectArguments, Correction, correct_session
 from bendtwin.simulation.rollout import Returns, RolloutResult
@@ -306,6 +314,27 @@ class Session(SessionCalls[Caller, Twin]):
             returns=returns,
             deadline_s=deadline_s,
         )
+        return self._caller.run(call, timeout_s)
+
+    def render(
+        self,
+        cameras: Sequence[PictureCamera],
+        *,
+        slots: Sequence[int] = (),
+        look: Look | None = None,
+        props: Sequence[Prop] = (),
+        light: Light | None = None,
+        depths: bool = False,
+        labels: bool = False,
+        timeout_s: float | None = None,
+    ) -> list[Pictures]:
+        """Takes pictures of the states of slots (default: all): one set for each camera.
+
+        `look` is `"surface"`, the twin's surface in its colours, or `"gaussians"`; by default the
+        Gaussians if the twin has them. `props` are rigid things beside the object. `depths` and
+        `labels` ask for these as well. Nothing changes in the session.
+        """
+        call = render_session(self.name, slots, cameras, look, props, light, depths, labels)
         return self._caller.run(call, timeout_s)
 
     def states(self, slots: Sequence[int] = ()) -> list[State]:

@@ -33,6 +33,18 @@ def pack_floats(name: str, values: npt.ArrayLike, shape: Sequence[int | None]) -
     return _WIRE(dtype=_WIRE.FLOAT32, shape=array.shape, data=array.tobytes())
 
 
+def pack_bytes(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
+    """Packs whole numbers 0..255 as UINT8."""
+    array = np.asarray(values)
+    if array.dtype != np.uint8:
+        if array.size and not np.issubdtype(array.dtype, np.integer):
+            raise ValueError(f"{name} must be whole numbers 0..255, not {array.dtype}")
+        if array.size and (array.min() < 0 or array.max() > 255):
+            raise ValueError(f"{name} must lie in 0..255")
+        array = array.astype(np.uint8)
+    return _WIRE(dtype=_WIRE.UINT8, shape=array.shape, data=array.tobytes())
+
+
 def pack_indices(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
     """Packs indices as UINT32 [K]."""
     return pack_integers(name, values, (None,))

@@ -15,7 +15,7 @@ pub type WirePose = [f32; 7];
 
 /// A shape of a collider.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape(collider::Shape);
+pub struct Shape(pub(crate) collider::Shape);
 
 impl Shape {
     /// A ball [m].

@@ -12,6 +12,7 @@ use prost::{
 
 use self::messages::{Counted, MESSAGES, Message};
 use super::{Error, Limits, check::within, request::world::parts};
+use crate::picture;
 
 /// Bytes of the longest encoding of a shape.
 const SHAPE_BYTES: usize = 10 * MOST_DIMENSIONS;
@@ -38,6 +39,8 @@ pub enum Encoded {
     Correct,
     /// [`StepSessionRequest`](bendtwin_proto::v1::StepSessionRequest).
     Step,
+    /// [`RenderSessionRequest`](bendtwin_proto::v1::RenderSessionRequest).
+    Render,
     /// A field without parts.
     Other,
 }
@@ -53,6 +56,7 @@ impl Encoded {
             Self::Register => "RegisterStateRequest",
             Self::Correct => "CorrectSessionRequest",
             Self::Step => "StepSessionRequest",
+            Self::Render => "RenderSessionRequest",
             Self::Other => "",
         })
     }
@@ -64,10 +68,11 @@ impl Encoded {
 ///
 /// # Errors
 /// If it has more instances or costs than the limits allow, more colliders or grasps than a world has,
-/// a tensor with too many dimensions, or a million fields.
+/// more cameras or props than pictures have, a tensor with too many dimensions, or a million fields.
 pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<(), Error> {
     let (mut costs, mut fields) = (0, 0);
     let (mut colliders, mut grasps) = (0, 0);
+    let (mut cameras, mut props) = (0, 0);
     walk(encoded.message(), false, bytes, &mut |seen| {
         // A number that no request can hold is not one of instances, but a wrong shape.
         if let Some(instances) = seen.instances.filter(|n| *n <= limits.request_bytes) {
@@ -89,6 +94,14 @@ pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<
                 colliders += 1;
                 parts("world.colliders", colliders)?;
             }
+            Some(Counted::Cameras) => {
+                cameras += 1;
+                most("cameras", cameras, picture::MAX_CAMERAS)?;
+            }
+            Some(Counted::Props) => {
+                props += 1;
+                most("props", props, picture::MAX_PROPS)?;
+            }
             Some(Counted::Instances) | None => {}
         }
         if costs > limits.costs {
@@ -101,6 +114,14 @@ pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<
         }
         Ok(())
     })
+}
+
+/// Refuses more parts of pictures than are possible.
+fn most(field: &str, count: usize, most: usize) -> Result<(), Error> {
+    if count <= most {
+        return Ok(());
+    }
+    Err(Error::field(field, format!("are more than {most}, which are possible: leave some out")))
 }
 
 /// A field that was passed.

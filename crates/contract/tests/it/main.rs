@@ -1,6 +1,7 @@
 //! The rules of the contract on requests that are right but for one thing.
 
 mod encoded;
+mod pictures;
 mod plans;
 mod prices;
 mod registrations;

@@ -6,7 +6,7 @@ use bendtwin_budget::Share;
 use bendtwin_core::{Twin, ids::TwinId};
 use bendtwin_engine::{Backend, Loaded, Model, backend};
 
-use crate::twin::planner::PlannersWarm;
+use crate::{pictures::look::Looks, twin::planner::PlannersWarm};
 
 /// A twin on a device.
 pub struct Warm {
@@ -19,6 +19,8 @@ pub struct Warm {
     pub(super) planner: Mutex<Option<Arc<PlannersWarm>>>,
     /// Members of the twin, as many as requests have asked for.
     pub(super) members: Mutex<Vec<Loaded>>,
+    /// How it looks, once a picture has been taken.
+    pub(crate) look: Looks,
     /// Memory of it all, where that is counted.
     _share: Option<Share>,
 }
@@ -47,6 +49,7 @@ impl Warm {
             fast: Mutex::default(),
             planner: Mutex::default(),
             members: Mutex::default(),
+            look: Looks::default(),
             _share: share,
         }
     }

@@ -24,7 +24,7 @@ type Vector = [f64; 3];
 
 /// Reason why points have no hull that can be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(super) enum Fault {
+pub(crate) enum Fault {
     /// No volume.
     #[error("lie in one plane, on one line or in one point: a hull needs a volume")]
     Flat,
@@ -47,7 +47,7 @@ struct Plane {
 ///
 /// # Errors
 /// If the points have no volume, or their hull too many faces.
-pub(super) fn hull(points: &[Point]) -> Result<Vec<Face>, Fault> {
+pub(crate) fn hull(points: &[Point]) -> Result<Vec<Face>, Fault> {
     let points: Vec<Vector> = points.iter().map(|p| p.map(f64::from)).collect();
     let (origin, extent) = bounds(&points);
     // Relative to the middle, so that precision does not depend on where the shape is.

@@ -42,12 +42,12 @@ pub(super) fn read(wire: &Collider, index: usize) -> Result<Shape, Error> {
 }
 
 /// Three numbers of a checked request; none are zeros.
-pub(super) fn three(values: &[f32]) -> Point {
+pub(crate) fn three(values: &[f32]) -> Point {
     values.try_into().unwrap_or_default()
 }
 
 /// Faces of a box along the axes.
-fn sides(low: Point, high: Point) -> Vec<Face> {
+pub(crate) fn sides(low: Point, high: Point) -> Vec<Face> {
     let face = |axis: usize, sign: f32, offset_m: f32| {
         let mut normal = [0.0; 3];
         normal[axis] = sign;

@@ -6,7 +6,8 @@ use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
-        GetSessionStatesRequest, OpenSessionRequest, Session, SessionStates,
+        GetSessionStatesRequest, OpenSessionRequest, RenderSessionRequest, RenderedSession,
+        Session, SessionStates,
     },
     worker::v1::manage_session_request::Call,
 };
@@ -73,6 +74,17 @@ impl App {
     ) -> Result<(CorrectedSession, ReplyHold)> {
         self.reach_session(&correct.name).await?;
         self.dispatch.correct_session(correct, timeout, as_lists).await
+    }
+
+    /// Takes pictures of slots of a session; the reply with its memory.
+    pub(crate) async fn render_session(
+        &self,
+        render: RenderSessionRequest,
+        timeout: Option<Duration>,
+        as_lists: bool,
+    ) -> Result<(RenderedSession, ReplyHold)> {
+        self.reach_session(&render.name).await?;
+        self.dispatch.render_session(render, timeout, as_lists).await
     }
 
     /// Takes a step of a closed loop: a correction, a plan and an advance.

@@ -7,6 +7,7 @@ use std::{
 };
 
 use bendtwin_core::{Point, ids::CaptureId};
+use bendtwin_render::thumbnail;
 use bendtwin_store::Digest;
 use bendtwin_surface::of_twin;
 use bytes::Bytes;
@@ -112,7 +113,7 @@ impl App {
         name: &str,
         width: u32,
     ) -> Result<Thumbnail> {
-        let widths = bendtwin_thumbnail::WIDTHS;
+        let widths = thumbnail::WIDTHS;
         if !widths.contains(&width) {
             let fault = format!("is {width}: {} to {} are possible", widths.start(), widths.end());
             return Err(Error::invalid("width", fault));
@@ -131,9 +132,7 @@ impl App {
         }
         let _turn = self.drawing.turn().await;
         let drawn = self.read_twin(id, move |row, twin| match of_twin(twin) {
-            Some(surface) => {
-                Ok(bendtwin_thumbnail::of_surface(&surface, &twin.graph.rest_positions, width))
-            }
+            Some(surface) => Ok(thumbnail::of_surface(&surface, &twin.graph.rest_positions, width)),
             None => Err(Error::NoSurface(row.id.to_string())),
         });
         let picture =
@@ -190,7 +189,7 @@ impl App {
         };
         let points = motion.positions(&points);
         let drawn = tokio::task::spawn_blocking(move || {
-            bendtwin_thumbnail::of_points(&points, colors.as_chunks::<3>().0, width)
+            thumbnail::of_points(&points, colors.as_chunks::<3>().0, width)
         });
         let bytes = drawn.await.map_err(|e| Error::Internal(format!("drawing {id}: {e}")))?.into();
         Ok(Thumbnail { bytes, media_type: "image/png", source })

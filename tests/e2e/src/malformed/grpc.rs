@@ -80,7 +80,7 @@ fn call(what: impl Into<String>, method: &'static str, message: &impl Message) -
 
 /// Every method that takes a name, with every bad name.
 fn names() -> Vec<Call> {
-    const METHODS: [(&str, &str); 20] = [
+    const METHODS: [(&str, &str); 21] = [
         ("captures", "CaptureService/GetCapture"),
         ("captures", "CaptureService/DeleteCapture"),
         ("fits", "FitService/GetFit"),
@@ -101,6 +101,7 @@ fn names() -> Vec<Call> {
         ("sessions", "SessionService/ForkSession"),
         ("sessions", "SessionService/ResetSession"),
         ("sessions", "SessionService/CorrectSession"),
+        ("sessions", "SessionService/RenderSession"),
     ];
     let mut calls = Vec::new();
     for (collection, method) in METHODS {

@@ -195,7 +195,7 @@ fn sessions(http: &Http, twin: &str) -> Vec<Named> {
         // Characters that no path has are the library's to refuse.
         let name: String = name.chars().filter(char::is_ascii_graphic).collect();
         let id = name.rsplit('/').next().filter(|id| !id.is_empty()).unwrap_or("x").to_owned();
-        for call in ["advance", "correct", "fork", "reset"] {
+        for call in ["advance", "correct", "fork", "render", "reset"] {
             requests.push(post(format!("/v1/sessions/{id}/{call}"), "{}".to_owned()));
         }
         for call in ["", "/states", "/states?slots=1,x", "/states?slots=4294967296"] {

@@ -30,13 +30,13 @@ const PHYSICS: [&str; 26] = [
     "bendtwin-near",
     "bendtwin-picture",
     "bendtwin-register",
+    "bendtwin-render",
     "bendtwin-rollout",
     "bendtwin-segment",
     "bendtwin-splat",
     "bendtwin-study",
     "bendtwin-surface",
     "bendtwin-synth",
-    "bendtwin-thumbnail",
 ];
 /// Crates that read, judge and lift captures, or write twins, without physics.
 const CAMERA_SIDE: [&str; 11] = [

@@ -2,6 +2,7 @@
 //! them with the same fault. And a small twin with requests to it ([`hanging`]).
 
 pub mod hanging;
+pub mod picture;
 pub mod plan;
 pub mod registration;
 pub mod rollout;

@@ -14,6 +14,14 @@ from bendtwin.connection.caller import AsyncCaller
 from bendtwin.resources import SessionInfo
 from bendtwin.session import SessionCalls
 from bendtwin.simulation.arguments import RolloutArguments
+from bendtwin.simulation.pictures import (
+    Light,
+    Look,
+    PictureCamera,
+    Pictures,
+    Prop,
+    render_session,
+)
 from bendtwin.simulation.plan import PlanArguments, PlanUpdate, whole
 from bendtwin.simulation.registration import CorrectArguments, Correction
 from bendtwin.simulation.rollout import Returns, RolloutResult
@@ -169,6 +177,27 @@ class Session(SessionCalls[AsyncCaller, Twin]):
             returns=returns,
             deadline_s=deadline_s,
         )
+        return await self._caller.run(call, timeout_s)
+
+    async def render(
+        self,
+        cameras: Sequence[PictureCamera],
+        *,
+        slots: Sequence[int] = (),
+        look: Look | None = None,
+        props: Sequence[Prop] = (),
+        light: Light | None = None,
+        depths: bool = False,
+        labels: bool = False,
+        timeout_s: float | None = None,
+    ) -> list[Pictures]:
+        """Takes pictures of the states of slots (default: all): one set for each camera.
+
+        `look` is `"surface"`, the twin's surface in its colours, or `"gaussians"`; by default the
+        Gaussians if the twin has them. `props` are rigid things beside the object. `depths` and
+        `labels` ask for these as well. Nothing changes in the session.
+        """
+        call = render_session(self.name, slots, cameras, look, props, light, depths, labels)
         return await self._caller.run(call, timeout_s)
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:

@@ -174,7 +174,7 @@ class Sender:
             connection.close()
         if response.status < 300:
             return {key.lower(): value for key, value in response.getheaders()}
-        raise _refusal(response.status, text)
+        raise refusal(response.status, text)
 
     def _connection(self, host: str) -> http.client.HTTPConnection:
         if self._context is None:
@@ -211,7 +211,7 @@ def _is_worth_another_try(error: BendTwinError) -> bool:
     return passing and error.reason != "UPLOAD_TAKEN_OVER"
 
 
-def _refusal(status: int, body: bytes) -> BendTwinError:
+def refusal(status: int, body: bytes) -> BendTwinError:
     """Message of a problem document; an answer to HEAD has none, nor has a proxy's page."""
     try:
         problem = json.loads(body)

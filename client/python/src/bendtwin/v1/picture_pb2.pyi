@@ -38,9 +38,11 @@ class RenderSessionRequest(_message.Message):
         LOOK_UNSPECIFIED: RenderSessionRequest._Look.ValueType  # 0
         """GAUSSIANS if the twin has them, otherwise SURFACE."""
         SURFACE: RenderSessionRequest._Look.ValueType  # 1
-        """The surface of the twin, in its colours."""
+        """The surface of the twin, in its colours; a light blue grey where they are not known."""
         GAUSSIANS: RenderSessionRequest._Look.ValueType  # 2
-        """The Gaussians of the twin. Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none."""
+        """The Gaussians of the twin, in the light of their recording: of `light`, only `brightness` applies to them.
+        Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none.
+        """
 
     class Look(_Look, metaclass=_LookEnumTypeWrapper):
         """Look of the object."""
@@ -48,9 +50,11 @@ class RenderSessionRequest(_message.Message):
     LOOK_UNSPECIFIED: RenderSessionRequest.Look.ValueType  # 0
     """GAUSSIANS if the twin has them, otherwise SURFACE."""
     SURFACE: RenderSessionRequest.Look.ValueType  # 1
-    """The surface of the twin, in its colours."""
+    """The surface of the twin, in its colours; a light blue grey where they are not known."""
     GAUSSIANS: RenderSessionRequest.Look.ValueType  # 2
-    """The Gaussians of the twin. Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none."""
+    """The Gaussians of the twin, in the light of their recording: of `light`, only `brightness` applies to them.
+    Refused with FAILED_PRECONDITION, reason GAUSSIANS_UNKNOWN, if it has none.
+    """
 
     NAME_FIELD_NUMBER: _builtins.int
     SLOTS_FIELD_NUMBER: _builtins.int
@@ -104,7 +108,8 @@ Global___RenderSessionRequest: _TypeAlias = RenderSessionRequest  # noqa: Y015
 @_typing.final
 class PictureCamera(_message.Message):
     """A pinhole camera without distortion. Axes as in OpenCV: x to the right, y down, z forward; the centre of the
-    first pixel is at (0, 0).
+    first pixel is at (0, 0). Surfaces and props nearer than 1 cm and Gaussians nearer than 5 cm are not seen, nor is
+    a closed surface from its inside.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -122,11 +127,11 @@ class PictureCamera(_message.Message):
     height: _builtins.int
     @_builtins.property
     def intrinsics(self) -> _tensor_pb2.Tensor:
-        """fx, fy, cx, cy in pixels: FLOAT32 [4] or [S, 4]."""
+        """fx, fy, cx, cy in pixels: FLOAT32 [4] or [S, 4]; fx and fy above 0, all up to 1e6."""
 
     @_builtins.property
     def pose(self) -> _tensor_pb2.Tensor:
-        """Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 [7] or [S, 7]."""
+        """Pose in the world, x, y, z in metres, quaternion x, y, z, w: FLOAT32 [7] or [S, 7]. Coordinates up to 1000."""
 
     @_builtins.property
     def background(self) -> _tensor_pb2.Tensor:
@@ -255,11 +260,13 @@ class RenderedSession(_message.Message):
 
         @_builtins.property
         def depths(self) -> _tensor_pb2.Tensor:
-            """Distance along the camera's axis, metres; 0 where only the background is seen. FLOAT32 [S, height, width]."""
+            """Distance of what the label names along the camera's axis, metres; 0 for the background. FLOAT32 [S, height,
+            width].
+            """
 
         @_builtins.property
         def labels(self) -> _tensor_pb2.Tensor:
-            """What is seen: 0 the background, 1 the object, 2 + i prop i. UINT8 [S, height, width]."""
+            """What covers most of a pixel: 0 the background, 1 the object, 2 + i prop i. UINT8 [S, height, width]."""
 
         def __init__(
             self,

@@ -11,13 +11,15 @@ use prost::Message as _;
 use prost_types::{DescriptorProto, FileDescriptorSet};
 
 /// Fields that are counted, and tensors whose first number of a shape is that of instances.
-const COUNTED: [(&str, &str, Counted); 6] = [
+const COUNTED: [(&str, &str, Counted); 8] = [
     ("RollOutRequest", "costs", Counted::Costs),
     ("RollOutRequest", "grasps", Counted::Grasps),
     ("OpenSessionRequest", "grasps", Counted::Grasps),
     ("World", "colliders", Counted::Colliders),
     ("ControlTrajectories", "positions", Counted::Instances),
     ("GripperPoses", "poses", Counted::Instances),
+    ("RenderSessionRequest", "cameras", Counted::Cameras),
+    ("RenderSessionRequest", "props", Counted::Props),
 ];
 /// The package of the messages.
 const PACKAGE: &str = ".bendtwin.v1.";
@@ -33,6 +35,10 @@ pub(super) enum Counted {
     Grasps,
     /// Colliders, one by one.
     Colliders,
+    /// Cameras of pictures, one by one.
+    Cameras,
+    /// Props of pictures, one by one.
+    Props,
     /// Instances, which the tensor has as rows.
     Instances,
 }

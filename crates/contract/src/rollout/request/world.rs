@@ -82,7 +82,7 @@ pub(super) fn plane(plane: &Plane, field: &str) -> Result<(), Error> {
 }
 
 /// A sphere; its centre may be absent.
-pub(super) fn sphere(sphere: &Sphere, field: &str) -> Result<(), Error> {
+pub(crate) fn sphere(sphere: &Sphere, field: &str) -> Result<(), Error> {
     if !sphere.center.is_empty() {
         vector(&sphere.center, &format!("{field}.center"), FARTHEST_M)?;
     }
@@ -90,7 +90,7 @@ pub(super) fn sphere(sphere: &Sphere, field: &str) -> Result<(), Error> {
 }
 
 /// A box.
-pub(super) fn cuboid(cuboid: &Cuboid, field: &str) -> Result<(), Error> {
+pub(crate) fn cuboid(cuboid: &Cuboid, field: &str) -> Result<(), Error> {
     let (low, high) = (format!("{field}.low"), format!("{field}.high"));
     let least = vector(&cuboid.low, &low, FARTHEST_M)?;
     let most = vector(&cuboid.high, &high, FARTHEST_M)?;
@@ -158,7 +158,8 @@ fn collider(
     }
 }
 
-fn capsule(capsule: &Capsule, field: &str) -> Result<(), Error> {
+/// A capsule.
+pub(crate) fn capsule(capsule: &Capsule, field: &str) -> Result<(), Error> {
     vector(&capsule.from, &format!("{field}.from"), FARTHEST_M)?;
     vector(&capsule.to, &format!("{field}.to"), FARTHEST_M)?;
     radius(capsule.radius_m, field)
@@ -171,7 +172,7 @@ fn radius(radius_m: f32, field: &str) -> Result<(), Error> {
 }
 
 /// Points of a convex mesh. Their hull is made, and may be refused, where the twin is.
-fn mesh(points: Option<&Tensor>, field: &str) -> Result<(), Error> {
+pub(crate) fn mesh(points: Option<&Tensor>, field: &str) -> Result<(), Error> {
     let (tensor, shape) = required(points, field, Dtype::Float32)?;
     match shape[..] {
         [count, 3] if MESH_POINTS.contains(&count) => {}

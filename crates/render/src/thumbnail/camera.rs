@@ -5,8 +5,6 @@ use bendtwin_core::{
     geometry::{Vector, cross, dot, unit, wide},
 };
 
-use crate::raster::Pixel;
-
 /// Angle of the view above the ground [rad].
 const ELEVATION: f64 = 0.45;
 /// Directions that are tried around the vertical.
@@ -16,7 +14,7 @@ const FILLED: f64 = 0.92;
 
 /// A parallel projection that fills a picture with an object.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Camera {
+pub(super) struct Camera {
     /// Axes of the picture: to the right, up, and towards the viewer.
     axes: [Vector; 3],
     /// Middle of the object along the first two axes [m].
@@ -29,7 +27,7 @@ pub(crate) struct Camera {
 
 impl Camera {
     /// The camera around points that shows them at their widest; `size` is that of the picture [pixels].
-    pub(crate) fn around(points: &[Point], size: [usize; 2]) -> Self {
+    pub(super) fn around(points: &[Point], size: [usize; 2]) -> Self {
         let directions = (0..DIRECTIONS).map(|k| {
             let azimuth = f64::from(k) * std::f64::consts::TAU / f64::from(DIRECTIONS);
             let axes = axes(azimuth);
@@ -52,19 +50,16 @@ impl Camera {
         }
     }
 
-    /// The pixel of a point; its depth grows towards the viewer.
-    pub(crate) fn project(&self, point: &Point) -> Pixel {
+    /// The place of a point in the picture, and its nearness, in the unit of places.
+    pub(super) fn project(&self, point: &Point) -> ([f64; 2], f64) {
         let at = self.axes.map(|axis| dot(axis, wide(*point)));
-        Pixel {
-            x: self.centre[0] + self.scale * (at[0] - self.middle[0]),
-            y: self.centre[1] - self.scale * (at[1] - self.middle[1]),
-            depth: self.scale * at[2],
-            light: [0.0; 3],
-        }
+        let x = self.centre[0] + self.scale * (at[0] - self.middle[0]);
+        let y = self.centre[1] - self.scale * (at[1] - self.middle[1]);
+        ([x, y], self.scale * at[2])
     }
 
     /// A direction of the world in the axes of the picture.
-    pub(crate) fn turned(&self, direction: Vector) -> Vector {
+    pub(super) fn turned(&self, direction: Vector) -> Vector {
         self.axes.map(|axis| dot(axis, direction))
     }
 }
