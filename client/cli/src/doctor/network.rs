@@ -8,7 +8,7 @@ use bendtwin_server::Options;
 use tokio::net::TcpListener;
 
 use super::check::Check;
-use crate::global::Global;
+use crate::global::{DEFAULT_SERVER, Global};
 
 /// The check of the address on which a server listens or is to listen.
 pub(super) async fn address(listen: SocketAddr) -> Check {
@@ -60,12 +60,16 @@ fn is_own(url: &str, listen: SocketAddr) -> bool {
     token::local_port(url) == Some(listen.port())
 }
 
-/// Checks of the server that commands talk to; one note if none answers.
+/// Checks of the server that commands talk to. If none answers, a problem if its address was given, otherwise a
+/// note: a machine may have no server.
 pub(super) async fn server(global: &Global, options: &Options) -> Vec<Check> {
     const NAME: &str = "server";
     let client = match connect(global, options).await {
         Ok(client) => client,
-        Err(error) => return vec![Check::note(NAME, format!("{error:#}"))],
+        Err(error) => {
+            let make = if global.server == DEFAULT_SERVER { Check::note } else { Check::problem };
+            return vec![make(NAME, format!("{error:#}"))];
+        }
     };
     let found = match client.readiness().await {
         Ok(found) => found,

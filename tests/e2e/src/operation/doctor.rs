@@ -63,7 +63,7 @@ async fn a_taken_port_is_reported_and_leaves_no_folder() {
     std::thread::spawn(move || other.incoming().for_each(drop));
     let checks = doctor(&["--listen", &address, "--server", "127.0.0.1:1"]).await;
     require(&checks, "address", "problem", "another program");
-    require(&checks, "server", "note", "bendtwin server");
+    require(&checks, "server", "problem", "bendtwin server");
 }
 
 #[tokio::test]

@@ -6,6 +6,7 @@ mod spread;
 
 use std::{
     path::PathBuf,
+    sync::atomic::{AtomicUsize, Ordering::Relaxed},
     time::{Duration, Instant},
 };
 
@@ -90,6 +91,8 @@ struct Measured {
     queue_p99_s: f64,
     compute_p50_s: f64,
     compute_p99_s: f64,
+    /// Rollouts a second of all clients, small and large.
+    rollouts_per_s: f64,
     /// Generations of the fit a second.
     generations_per_s: Option<f64>,
 }
@@ -220,7 +223,8 @@ async fn measure(
     let time = Duration::from_secs(args.seconds);
     // The first one loads the twin.
     client.rollouts().run(still.rollout(args.small)).await?;
-    let alone = phase(client, still, args.small, None, time).await?;
+    let nobody = AtomicUsize::new(0);
+    let alone = phase(client, still, args.small, None, &nobody, time).await?;
     let spread = match args.spread {
         Some(size) => Some(Spread::measure(client, still, size, time).await?),
         None => None,
@@ -228,7 +232,7 @@ async fn measure(
     let mut beside_fit = None;
     if let Some(capture) = capture {
         start_fit(client, capture, fit).await?;
-        beside_fit = Some(phase(client, still, args.small, *fit, time).await?);
+        beside_fit = Some(phase(client, still, args.small, *fit, &nobody, time).await?);
     }
     let (clients, large, small) = (args.clients, args.large, args.small);
     let report = Report {
@@ -247,11 +251,12 @@ async fn measure(
     let stop = CancellationToken::new();
     let token_file = args.clients_token_file.clone().or_else(|| global.token_file.clone());
     let of_clients = Global { token_file, ..global.clone() };
-    let greedy = (0..clients).map(|_| greedy(&of_clients, still, large, &stop));
+    let answered = AtomicUsize::new(0);
+    let greedy = (0..clients).map(|_| greedy(&of_clients, still, large, &answered, &stop));
     let loaded = async {
         // The clients come first.
         tokio::time::sleep(Duration::from_secs(2)).await;
-        let loaded = phase(client, still, small, *fit, time).await;
+        let loaded = phase(client, still, small, *fit, &answered, time).await;
         stop.cancel();
         loaded
     };
@@ -260,11 +265,12 @@ async fn measure(
     Ok(Report { greedy: Some(loaded?), large_refused, ..report })
 }
 
-/// Sends large rollouts until it is stopped; returns how many were refused.
+/// Sends large rollouts until it is stopped, and counts those that were answered; returns how many were refused.
 async fn greedy(
     global: &Global,
     still: &Still,
     size: Size,
+    answered: &AtomicUsize,
     stop: &CancellationToken,
 ) -> anyhow::Result<usize> {
     let client = global.connect().await?;
@@ -275,21 +281,25 @@ async fn greedy(
             result = rollouts.run(still.rollout(size)) => result,
             () = stop.cancelled() => return Ok(refused),
         };
-        if result.is_err() {
+        if result.is_ok() {
+            answered.fetch_add(1, Relaxed);
+        } else {
             refused += 1;
             tokio::time::sleep(PAUSE).await;
         }
     }
 }
 
-/// Small rollouts one after another, and the progress of the fit meanwhile.
+/// Small rollouts one after another, with the progress of the fit and the rollouts of others meanwhile.
 async fn phase(
     client: &Client,
     still: &Still,
     size: Size,
     fit: Option<FitId>,
+    others: &AtomicUsize,
     time: Duration,
 ) -> anyhow::Result<Measured> {
+    let others_before = others.load(Relaxed);
     let started = Instant::now();
     let first = generations(client, fit).await?;
     let (mut took, mut queue, mut compute) = (Vec::new(), Vec::new(), Vec::new());
@@ -308,8 +318,9 @@ async fn phase(
             }
         }
     }
-    let last = generations(client, fit).await?;
     let seconds = started.elapsed().as_secs_f64();
+    let rollouts_per_s = (took.len() + others.load(Relaxed) - others_before) as f64 / seconds;
+    let last = generations(client, fit).await?;
     let generations_per_s =
         first.zip(last).map(|(first, last)| f64::from(last.saturating_sub(first)) / seconds);
     let answered = took.len();
@@ -327,6 +338,7 @@ async fn phase(
         queue_p99_s,
         compute_p50_s,
         compute_p99_s,
+        rollouts_per_s,
         generations_per_s,
     })
 }
@@ -364,6 +376,7 @@ fn text(report: &Report) -> String {
     row("in line, median / p99", &|m| both(m.queue_p50_s, m.queue_p99_s));
     row("computed, median / p99", &|m| both(m.compute_p50_s, m.compute_p99_s));
     row("small rollouts", &|m| format!("{} ({} refused)", m.answered, m.refused));
+    row("all rollouts/s", &|m| format!("{:.1}", m.rollouts_per_s));
     row("fit, generations/s", &|m| {
         m.generations_per_s.map_or_else(|| "-".to_owned(), |g| format!("{g:.2}"))
     });
