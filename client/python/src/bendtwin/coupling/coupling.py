@@ -1,7 +1,7 @@
 """A MuJoCo model and a twin, simulated together frame by frame.
 
 Within a frame of the twin the model takes as many steps as fit, under the wrenches of the frame
-before (explicit coupling) or of this frame (implicit coupling, `iterations` above 1); the twin then
+before (explicit coupling, `iterations=1`) or of this frame (implicit coupling); the twin then
 follows the poses of the model's bodies through that frame, and answers with the wrenches.
 """
 
@@ -21,7 +21,7 @@ from bendtwin.coupling.errors import CouplingError
 from bendtwin.coupling.frame import Frame, Times
 from bendtwin.coupling.gripper import Gripper
 from bendtwin.coupling.interface import ARM_M, FixedPoint
-from bendtwin.coupling.model import Control, Model
+from bendtwin.coupling.model import Control, Model, yields
 from bendtwin.coupling.poses import IDENTITY, Change
 from bendtwin.coupling.surroundings import Ground, Surroundings, surroundings
 from bendtwin.errors import BendTwinError, Category
@@ -37,6 +37,8 @@ FloatArray = npt.NDArray[np.float64]
 #: Slots of the session: the state after the last frame, and that of an evaluation.
 _DONE, _TRIED = 0, 1
 _RETRY_S = 0.2
+#: A torque counts as the force at this arm.
+_UNITS = np.array([1.0, 1.0, 1.0, *[ARM_M] * 3])
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,8 @@ class Coupling:
         held_hands: Sequence[int] = (),
         mass_kg: float | None = None,
         feedback: bool = True,
-        iterations: int = 1,
-        tolerance_n: float = 0.01,
+        iterations: int = 16,
+        tolerance_n: float = 0.02,
         relaxation: float = 1.0,
         max_speed_m_s: float = 5.0,
         fidelity: Fidelity = "exact",
@@ -105,8 +107,10 @@ class Coupling:
                 open, unless a gripper has a `Grasp(hand=...)`.
             mass_kg: Mass of the object, if the twin's is unknown or wrong: scales the wrenches.
             feedback: Whether the model feels the twin.
-            iterations: Most evaluations of a frame: 1 is explicit coupling; with 2 and more the
-                frame is repeated until the wrenches agree, which is stable for light bodies.
+            iterations: Most evaluations of a frame; 1 to 4 are usual, more are needed where a
+                cable gets taut. With 1, coupling is explicit: the model feels the wrenches of the
+                frame before, which is fast, but stable only for heavy, damped bodies
+                (docs/use/mujoco.md).
             tolerance_n: Residual at which the iteration ends, newtons; torques count as forces at
                 an arm of 0.1 m.
             relaxation: Share of new wrenches, above 0 and at most 1; the rest are those before.
@@ -144,16 +148,19 @@ class Coupling:
         self._model = Model(model, data, carriers, self._change)
         self._names = [carrier.name for carrier in carriers]
         self._grippers = list(grippers or {})
-        self._iterations, self._tolerance_n = iterations, tolerance_n
+        # The motion of what has no joints does not depend on wrenches.
+        self._feels = np.array([yields(model, carrier.body) for carrier in carriers], bool)
+        self._iterations = iterations if feedback and self._feels.any() else 1
+        self._tolerance_n = tolerance_n
         self._relaxation, self._feedback = relaxation, feedback
         self._max_speed_m_s, self._patience_s = max_speed_m_s, patience_s
         self._returns = Returns(forces=feedback, final_state=True)
-        self._solver = FixedPoint(relaxation, kept_frames=4)
+        self._solver = FixedPoint(relaxation, kept_frames=8)
         #: The session of the twin. Its slot 0 is the twin as it is.
         self.session: Session = client.open_session(
             twin,
             initial=initial,
-            slots=1 if iterations == 1 else 2,
+            slots=1 if self._iterations == 1 else 2,
             world=self._around.world,
             grasps=self._around.grasps,
             vary=vary,
@@ -163,6 +170,7 @@ class Coupling:
         self._stream: Iterator[RolloutResult] | None = None
         self._next: RolloutArguments = {}
         self._is_in_doubt = self._is_lost = False
+        self._is_closed = False
         #: Whether the other slot is not in the state of slot 0.
         self._is_tried = False
         self._number, self._behind_s = 0, 0.0
@@ -209,6 +217,8 @@ class Coupling:
             BendTwinError: If the server refuses the frame or cannot be reached. The model is as it
                 was before, and so is the twin once a call succeeds; a lost session is opened again.
         """
+        if self._is_closed:
+            raise ValueError("the coupling is closed")
         deadline = time.monotonic() + self._patience_s
         while True:
             try:
@@ -258,6 +268,7 @@ class Coupling:
 
     def close(self) -> None:
         """Ends the session; the model stays as it is. Closing twice is not an error."""
+        self._is_closed = True
         self._drop_stream()
         self.session.close()
 
@@ -306,10 +317,10 @@ class Coupling:
                 twin_s += computed_s
                 calls_s += answered_at - called_at - computed_s
                 response = self._responses(result)
-                residual_n = float(np.linalg.norm(_flat(response - guess)))
+                residual_n = float(np.linalg.norm(self._flat(response - guess)))
                 if residual_n <= self._tolerance_n or iteration == self._iterations:
                     break
-                guess = _wrenches(self._solver.next(_flat(guess), _flat(response)))
+                guess = self._guess(response, self._solver.next(self._flat(guess), self._flat(response)))
             if self._iterations == 1:
                 response = guess + self._relaxation * (response - guess)
             else:
@@ -355,7 +366,10 @@ class Coupling:
         if self._stream is None:
             slots = [_DONE if self._iterations == 1 else _TRIED]
             self._stream = self.session.control(self._requests(), slots=slots)
-        result = next(self._stream)
+        result = next(self._stream, None)
+        if result is None:
+            message = "the server has ended the stream of frames: it stops or restarts"
+            raise BendTwinError(Category.UNAVAILABLE, "UNAVAILABLE", message)
         if result.diverged:
             at = result.diverged[0]
             raise CouplingError(
@@ -401,6 +415,16 @@ class Coupling:
             np.subtract.at(total, self._around.collider_carriers, forces.colliders[0, 0])
         return self._newtons * total[:-1]
 
+    def _flat(self, wrenches: FloatArray) -> FloatArray:
+        """Wrenches on bodies that feel them, as numbers of one unit, newtons."""
+        return (wrenches[self._feels] / _UNITS).reshape(-1)
+
+    def _guess(self, response: FloatArray, flat: FloatArray) -> FloatArray:
+        """The wrenches of such numbers, and those of the other bodies as they came back."""
+        guess = response.copy()
+        guess[self._feels] = flat.reshape(-1, 6) * _UNITS
+        return guess
+
     def _in_model(self, wrenches: FloatArray) -> FloatArray:
         """The same wrenches along the axes of the model's world."""
         return self._change.vectors_back(wrenches.reshape(-1, 2, 3)).reshape(-1, 6)
@@ -413,15 +437,6 @@ class Coupling:
             for number, name in enumerate(self._grippers):
                 held[name] = np.flatnonzero(carriers == number)
         return held
-
-
-def _flat(wrenches: FloatArray) -> FloatArray:
-    """Wrenches [G, 6] as numbers of one unit, newtons."""
-    return (wrenches * [1, 1, 1, *[1 / ARM_M] * 3]).reshape(-1)
-
-
-def _wrenches(flat: FloatArray) -> FloatArray:
-    return flat.reshape(-1, 6) * [1, 1, 1, *[ARM_M] * 3]
 
 
 def _newtons(known_kg: float | None, given_kg: float | None, masses: float, asked: bool) -> float:

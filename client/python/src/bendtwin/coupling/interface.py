@@ -15,8 +15,10 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Length at which a torque counts as a force, metres.
 ARM_M = 0.1
-#: Directions below this share of the largest singular value are noise.
-_LEAST = 1e-4
+#: Shorter differences of residuals are noise.
+_LEAST_N = 1e-6
+#: Share of a difference that must point elsewhere than newer ones.
+_LEAST_SHARE = 0.5
 
 
 class FixedPoint:
@@ -41,16 +43,29 @@ class FixedPoint:
             before, answered = self._last
             self.differences[0].insert(0, (residual - before, response - answered))
         self._last = (residual, response)
-        columns = [pair for frame in self.differences for pair in frame][: len(guess)]
-        if not columns:
-            return guess + self._relaxation * residual
-        v = np.stack([a for a, _ in columns], axis=1)
-        w = np.stack([b for _, b in columns], axis=1)
-        # Columns of one length: those of a wide and a narrow step tell the same.
-        sizes = np.maximum(np.linalg.norm(v, axis=0), 1e-12)
-        shares = np.linalg.lstsq(v / sizes, -residual, rcond=_LEAST)[0]
-        explained = residual + (v / sizes) @ shares
-        step = response + (w / sizes) @ shares
-        # What no difference explains is relaxed as before.
-        relaxed: FloatArray = step - (1 - self._relaxation) * explained
-        return relaxed
+        v, w = self._independent()
+        shares = np.linalg.lstsq(v, -residual, rcond=None)[0]
+        # What no difference explains is relaxed, as in a first step.
+        explained = residual + v @ shares
+        following: FloatArray = response + w @ shares - (1 - self._relaxation) * explained
+        return following
+
+    def _independent(self) -> tuple[FloatArray, FloatArray]:
+        """Differences of residuals and responses as columns, the newest and those of older ones
+        that point elsewhere: where a cable gets taut, the older ones of its direction are wrong."""
+        count = len(self._last[0]) if self._last is not None else 0
+        basis = np.zeros((count, 0))
+        columns: list[tuple[FloatArray, FloatArray]] = []
+        for v, w in (pair for frame in self.differences for pair in frame):
+            size = float(np.linalg.norm(v))
+            if size < _LEAST_N:
+                continue
+            rest = v / size - basis @ (basis.T @ v) / size
+            if float(np.linalg.norm(rest)) < _LEAST_SHARE:
+                continue
+            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
+            columns.append((v / size, w / size))
+            if len(columns) == count:
+                break
+        parts = [np.array([pair[i] for pair in columns]).reshape(-1, count).T for i in (0, 1)]
+        return parts[0], parts[1]

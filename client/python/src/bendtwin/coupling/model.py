@@ -58,6 +58,15 @@ def moves(model: Any, body: int) -> bool:
     return bool(model.body_weldid[body] != 0 or model.body_mocapid[model.body_rootid[body]] >= 0)
 
 
+def yields(model: Any, body: int) -> bool:
+    """True if a force moves a body: it, or a body that carries it, has a joint."""
+    while body != 0:
+        if model.body_dofnum[body] > 0:
+            return True
+        body = int(model.body_parentid[body])
+    return False
+
+
 class Model:
     """A model and its data, with its carriers."""
 
