@@ -279,7 +279,7 @@ def test_a_cable_that_gets_taut_is_not_taken_for_the_slack_one_that_it_was():
         solver.next(np.array([slack + 0.05]), np.array([slack + 0.06]))
     solver.begin()
     guess = np.zeros(1)
-    for _ in range(8):
+    for _ in range(16):
         answer = response(guess)
         if abs(answer - guess)[0] < 1e-3:
             break
