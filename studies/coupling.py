@@ -56,7 +56,7 @@ PLUG = """
   <option timestep="0.002"/>
   <worldbody>
     <body name="plug">
-      <freejoint/><geom size="0.01" mass="{}" contype="0" conaffinity="0"/>
+      <freejoint/><geom type="box" size="0.02 0.02 0.02" mass="{}" contype="0" conaffinity="0"/>
     </body>
   </worldbody>
 </mujoco>

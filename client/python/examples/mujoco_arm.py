@@ -1,10 +1,12 @@
 """Lets a robot arm in MuJoCo take a cable from a table, feel its weight, and draws what happens."""
 
 import os
+from typing import Any
 
 import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
+import numpy.typing as npt
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from bendtwin import Client, Grasp, Settled, Sphere
@@ -76,7 +78,7 @@ DOWN = np.diag([1.0, -1.0, -1.0])  # The hand points downwards.
 OPEN, CLOSED = 0.04, 0.0
 
 
-def joints_for(model, start, goal):
+def joints_for(model: Any, start: npt.ArrayLike, goal: npt.ArrayLike) -> Any:
     """Positions of the six joints at which the fingers meet at a place, from nearby ones."""
     data, pinch = mujoco.MjData(model), model.site("pinch").id
     data.qpos[:6] = start
@@ -86,14 +88,14 @@ def joints_for(model, start, goal):
         mujoco.mj_comPos(model, data)
         mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], pinch)
         mujoco.mju_mat2Quat(turn, (DOWN @ data.site_xmat[pinch].reshape(3, 3).T).ravel())
-        away = np.concatenate([goal - data.site_xpos[pinch], np.zeros(3)])
+        away = np.concatenate([np.asarray(goal) - data.site_xpos[pinch], np.zeros(3)])
         mujoco.mju_quat2Vel(away[3:], turn, 1.0)
         j = jacobian[:, :6]
         data.qpos[:6] += 0.5 * j.T @ np.linalg.solve(j @ j.T + 1e-4 * np.eye(6), away)
     return data.qpos[:6].copy()
 
 
-def draw(axes, model, data, nodes, color):
+def draw(axes: Any, model: Any, data: Any, nodes: npt.NDArray[np.float64], color: str) -> None:
     """Draws links as lines, boxes by their sides, and the nodes of the twin."""
     sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -136,31 +138,31 @@ with Client(os.environ.get("BENDTWIN_SERVER", "http://127.0.0.1:7070")) as clien
         initial=Settled(),
         mass_kg=geometry.mass_kg or 0.1,
     ) as coupling:
-        figure = plt.figure(figsize=(10, 4))
+        figure = plt.figure(figsize=(12, 4.5), layout="constrained")
         scenes = [
             ("above the cable", 0.25, OPEN),
-            ("closed", 0.02, OPEN),
+            ("around it", 0.02, OPEN),
             ("closed", 0.02, CLOSED),
-            ("lifted", 0.25, CLOSED),
+            ("lifted", 0.3, CLOSED),
         ]
-        start, fps = 0.25, 1 / coupling.frame_s
+        start, frames, felt = 0.25, round(1.5 / coupling.frame_s), []
         for number, (name, height, fingers) in enumerate(scenes):
-            frames = round(1.0 * fps)
             for frame in range(frames):
-                share = min(1.0, 1.5 * (frame + 1) / frames)
+                share = min(1.0, 2.0 * (frame + 1) / frames)
                 goal = [0.42, 0.0, start + share * (height - start)]
                 data.ctrl[:6] = joints_for(model, data.ctrl[:6], goal)
                 data.ctrl[6:] = fingers
                 done = coupling.step()
+                felt.append(-done.wrenches["pinch"][2])
             start = height
-            if number != 1:
+            if name != "around it":
                 axes = figure.add_subplot(1, 3, max(1, number), projection="3d")
-                draw(axes, model, data, done.positions, ["0.6", "0.6", "0.45", "0.3"][number])
-                axes.set(xlim=(-0.1, 0.7), ylim=(-0.4, 0.4), zlim=(0, 0.6), title=name)
-                axes.view_init(15, -60)
+                draw(axes, model, data, done.positions, "0.5")
+                axes.set(xlim=(-0.05, 0.55), ylim=(-0.3, 0.3), zlim=(0, 0.6), title=name)
+                axes.view_init(12, -50)
         weight = (geometry.mass_kg or 0.1) * 9.81
         print(f"the fingers hold {len(done.held['pinch'])} of {len(done.positions)} nodes,")
         print(f"the highest of them {1000 * done.positions[:, 2].max():.0f} mm above the table,")
-        force = -done.wrenches["pinch"][2]
+        force = np.mean(felt[-frames // 2 :])
         print(f"and the arm feels {force:.2f} N of the {weight:.2f} N that the cable weighs")
-        figure.savefig("mujoco_arm.png", dpi=80)
+        figure.savefig("mujoco_arm.png", dpi=70)

@@ -121,7 +121,6 @@ def test_shapes_contain_their_geoms(scene):
 
 
 def test_what_a_twin_cannot_have_is_refused_with_advice(scene):
-    model, _ = scene
     with pytest.raises(ValueError, match="neither a geom nor a body 'nose'"):
         around(scene, colliders=["nose"])
     with pytest.raises(ValueError, match="neither a body nor a site 'nose'"):
@@ -245,43 +244,60 @@ def test_a_model_that_diverges_says_so_each_time(scene):
     assert data.time == pytest.approx(0.007)
 
 
+def iterated(solver, response, guess, limit):
+    """The fixed point, and the number of evaluations that it took."""
+    solver.begin(np.full(6, 1e-3))
+    for count in range(1, limit):
+        answer = response(guess)
+        if solver.displacement_m(answer - guess) < 1e-6:
+            return guess, count
+        guess = solver.next(guess, answer)
+    raise AssertionError("no fixed point was found")
+
+
 def test_the_fixed_point_of_a_linear_response_is_found_in_a_few_evaluations():
     random = np.random.default_rng(1)
-    response = -5 * random.uniform(size=(3, 3)) - 10 * np.eye(3)
-    constant = random.normal(size=3)
-    exact = np.linalg.solve(np.eye(3) - response, constant)
-    solver, counts = FixedPoint(relaxation=0.5, kept_frames=4), []
-    for _ in range(3):
-        solver.begin()
-        guess = np.zeros(3)
-        for count in range(1, 10):
-            answer = response @ guess + constant
-            if np.linalg.norm(answer - guess) < 1e-6:
-                break
-            guess = solver.next(guess, answer)
-        np.testing.assert_allclose(guess, exact, atol=1e-6)
+    matrix = -5 * random.uniform(size=(6, 6)) - 10 * np.eye(6)
+    constant = random.normal(size=6)
+    exact = np.linalg.solve(np.eye(6) - matrix, constant)
+    solver, counts = FixedPoint(6, relaxation=0.5), []
+    for _ in range(4):
+        guess, count = iterated(solver, lambda w: matrix @ w + constant, np.zeros(6), 30)
+        np.testing.assert_allclose(guess, exact, atol=1e-3)
         counts.append(count)
-    # Later frames know the three directions.
-    assert counts[0] <= 8
-    assert max(counts[1:]) <= 3
+    # Later frames know the response.
+    assert counts[-1] < counts[0] / 2
 
 
 def test_a_cable_that_gets_taut_is_not_taken_for_the_slack_one_that_it_was():
-    """The response jumps from 0 to 60 times the motion at a wrench of 1 N."""
+    """The response falls by 60 N for each newton above 1 N, in one direction."""
 
     def response(w):
-        return np.minimum(0.0, -60.0 * (w - 1.0)) + 8.0
+        return np.array([8 + min(0.0, -60 * (w[0] - 1)), *np.zeros(5)])
 
-    solver = FixedPoint(relaxation=1.0, kept_frames=4)
-    for slack in (0.1, 0.2, 0.3):
-        solver.begin()
-        solver.next(np.array([slack]), np.array([slack + 0.05]))
-        solver.next(np.array([slack + 0.05]), np.array([slack + 0.06]))
-    solver.begin()
-    guess = np.zeros(1)
-    for _ in range(16):
-        answer = response(guess)
-        if abs(answer - guess)[0] < 1e-3:
-            break
-        guess = solver.next(guess, answer)
-    assert guess == pytest.approx(68 / 61, abs=1e-3)
+    solver = FixedPoint(6, relaxation=1.0)
+    for _ in range(3):
+        iterated(solver, lambda w: 0.1 * w + 0.1, np.zeros(6), 8)
+    guess, _ = iterated(solver, response, np.zeros(6), 17)
+    assert guess[0] == pytest.approx(68 / 61, abs=1e-3)
+
+
+def test_what_cannot_move_does_not_delay_the_end_of_an_iteration():
+    solver = FixedPoint(12, relaxation=1.0)
+    solver.begin(np.array([0.01] * 6 + [0.0] * 6))
+    assert solver.displacement_m(np.array([0.0] * 6 + [100.0] * 6)) < 1e-6
+    assert solver.displacement_m(np.eye(12)[0]) == pytest.approx(0.01)
+
+
+def test_mobility_is_that_of_all_joints_that_take_part(scene):
+    model, data = scene
+    carriers = [Carrier.named(model, name) for name in ("loose", "tool", "arm")]
+    side = Model(model, data, carriers, Change(IDENTITY))
+    loose, tool, arm = side.mobility(np.arange(3))
+    mass = model.body("loose").mass[0]
+    assert loose[0] == pytest.approx(1 / mass, rel=1e-6)
+    assert loose[1] == pytest.approx((1 / model.body("loose").inertia).mean(), rel=1e-6)
+    # The hinge turns the tool as well, and moves it.
+    assert tool[0] > 1 / 3 / model.body("tool").mass[0]
+    assert arm[0] == pytest.approx(0.0, abs=1e-9)
+    assert arm[1] > 0

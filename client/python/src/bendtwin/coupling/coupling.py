@@ -8,6 +8,7 @@ follows the poses of the model's bodies through that frame, and answers with the
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -20,7 +21,7 @@ from bendtwin.client import Client
 from bendtwin.coupling.errors import CouplingError
 from bendtwin.coupling.frame import Frame, Times
 from bendtwin.coupling.gripper import Gripper
-from bendtwin.coupling.interface import ARM_M, FixedPoint
+from bendtwin.coupling.interface import FixedPoint
 from bendtwin.coupling.model import Control, Model, yields
 from bendtwin.coupling.poses import IDENTITY, Change
 from bendtwin.coupling.surroundings import Ground, Surroundings, surroundings
@@ -31,14 +32,15 @@ from bendtwin.simulation.rollout import Fidelity, Returns, RolloutResult
 from bendtwin.simulation.state import Grasping, InitialState, State
 from bendtwin.simulation.world import Grasp, Vary
 from bendtwin.twin import Twin
+from bendtwin.v1 import session_pb2
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Slots of the session: the state after the last frame, and that of an evaluation.
-_DONE, _TRIED = 0, 1
+#: Most evaluations between two copies of the state to their slots.
+_TRIALS = 7
 _RETRY_S = 0.2
-#: A torque counts as the force at this arm.
-_UNITS = np.array([1.0, 1.0, 1.0, *[ARM_M] * 3])
+#: Displacement for which a turn by 1 rad counts, metres.
+_TURN_M = 0.05
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class Snapshot:
     wrenches: FloatArray
     #: Time that the model is behind the twin, seconds: less than one of its steps.
     behind_s: float
-    differences: tuple[tuple[tuple[FloatArray, FloatArray], ...], ...]
+    #: Estimate of the response of the twin, for the iteration.
+    inverse: FloatArray
 
 
 class Coupling:
@@ -80,7 +83,7 @@ class Coupling:
         mass_kg: float | None = None,
         feedback: bool = True,
         iterations: int = 16,
-        tolerance_n: float = 0.02,
+        tolerance_m: float = 2e-5,
         relaxation: float = 1.0,
         max_speed_m_s: float = 5.0,
         fidelity: Fidelity = "exact",
@@ -111,8 +114,8 @@ class Coupling:
                 cable gets taut. With 1, coupling is explicit: the model feels the wrenches of the
                 frame before, which is fast, but stable only for heavy, damped bodies
                 (docs/use/mujoco.md).
-            tolerance_n: Residual at which the iteration ends, newtons; torques count as forces at
-                an arm of 0.1 m.
+            tolerance_m: Displacement of a body in a frame, by wrenches that do not agree, at which
+                the iteration ends, metres; turning by 1 rad counts as 0.05 m.
             relaxation: Share of new wrenches, above 0 and at most 1; the rest are those before.
             max_speed_m_s: Speed of a body above which a frame is refused: a jump, usually.
             fidelity: Model of the twin that answers.
@@ -126,7 +129,7 @@ class Coupling:
         """
         geometry = twin.geometry()
         self.frame_s = 1.0 / geometry.fps
-        _check(model, self.frame_s, iterations, relaxation, tolerance_n)
+        _check(model, self.frame_s, iterations, relaxation, tolerance_m)
         self._newtons = _newtons(geometry.mass_kg, mass_kg, float(geometry.masses.sum()), feedback)
         #: The model and its data.
         self.model, self.data = model, data
@@ -151,16 +154,16 @@ class Coupling:
         # The motion of what has no joints does not depend on wrenches.
         self._feels = np.array([yields(model, carrier.body) for carrier in carriers], bool)
         self._iterations = iterations if feedback and self._feels.any() else 1
-        self._tolerance_n = tolerance_n
+        self._tolerance_m = tolerance_m
         self._relaxation, self._feedback = relaxation, feedback
         self._max_speed_m_s, self._patience_s = max_speed_m_s, patience_s
         self._returns = Returns(forces=feedback, final_state=True)
-        self._solver = FixedPoint(relaxation, kept_frames=8)
-        #: The session of the twin. Its slot 0 is the twin as it is.
+        self._solver = FixedPoint(6 * int(self._feels.sum()), relaxation)
+        #: The session of the twin.
         self.session: Session = client.open_session(
             twin,
             initial=initial,
-            slots=1 if self._iterations == 1 else 2,
+            slots=1 if self._iterations == 1 else 1 + min(self._iterations, _TRIALS),
             world=self._around.world,
             grasps=self._around.grasps,
             vary=vary,
@@ -168,15 +171,19 @@ class Coupling:
             idle_timeout_s=idle_timeout_s,
         )
         self._stream: Iterator[RolloutResult] | None = None
-        self._next: RolloutArguments = {}
-        self._is_in_doubt = self._is_lost = False
-        self._is_closed = False
-        #: Whether the other slot is not in the state of slot 0.
-        self._is_tried = False
+        #: Messages by which grasps are closed, of which only slot and poses change.
+        self._messages: dict[tuple[bool, ...], session_pb2.AdvanceSessionRequest] = {}
+        self._next: session_pb2.AdvanceSessionRequest | None = None
+        self._sent: deque[session_pb2.AdvanceSessionRequest] = deque()
+        #: Slot of the session in which the twin is as it is.
+        self.slot = 0
+        #: Other slots in the same state.
+        self._fresh: list[int] = []
+        self._is_in_doubt = self._is_lost = self._is_closed = False
         self._number, self._behind_s = 0, 0.0
         self._wrenches = np.zeros((len(carriers), 6))
         try:
-            self._state = self.session.states([_DONE])[0]
+            self._state = self.session.states([0])[0]
         except BaseException:
             self.session.close()
             raise
@@ -240,7 +247,7 @@ class Coupling:
             poses=self._poses,
             wrenches=self._wrenches,
             behind_s=self._behind_s,
-            differences=tuple(tuple(frame) for frame in self._solver.differences),
+            inverse=self._solver.inverse,
         )
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -277,30 +284,31 @@ class Coupling:
         self._number, self._behind_s = snapshot.number, snapshot.behind_s
         self._state, self._poses = snapshot.twin, snapshot.poses
         self._wrenches = snapshot.wrenches
-        self._solver.differences = [list(frame) for frame in snapshot.differences]
+        self._solver.inverse = snapshot.inverse
         self._is_in_doubt = True
 
     def _agree(self) -> None:
-        """Brings slot 0 to the state that is kept here, where a call may have left another."""
+        """Brings the slot to the state that is kept here, where a call may have left another."""
         if not (self._is_in_doubt or self._is_lost):
             return
         self._drop_stream()
         if self._is_lost:
             self.session.reopen()
             self._is_lost = False
-        self.session.reset([_DONE], self._state)
-        self._is_tried = self._iterations > 1
+        self.session.reset([self.slot], self._state)
+        self._fresh = []
         self._is_in_doubt = False
 
     def _frame(self, control: Control | None) -> Frame:
         model, started_at = self._model, time.monotonic()
-        began, kept = model.save(), self._solver.differences
+        began, kept = model.save(), self._solver.inverse
         due_s, timestep = self._behind_s + self.frame_s, float(self.model.opt.timestep)
         steps = int(due_s / timestep + 1e-9)
         behind_s = max(0.0, due_s - steps * timestep)
         closed = tuple(bool(c(self.model, self.data)) for c in self._around.conditions)
         guess, model_s, twin_s, calls_s = self._wrenches, 0.0, 0.0, 0.0
-        self._solver.begin()
+        feels = self._feels
+        self._solver.begin(self._units())
         try:
             for iteration in range(1, self._iterations + 1):
                 begun_at = time.monotonic()
@@ -310,66 +318,69 @@ class Coupling:
                 poses = self._rows(model.poses(behind_s))
                 self._check_speeds(poses)
                 called_at = time.monotonic()
-                result = self._evaluate(poses, closed)
+                slot, result = self._evaluate(poses, closed)
                 answered_at = time.monotonic()
                 computed_s = result.timing.compute_s if result.timing else 0.0
                 model_s += called_at - begun_at
                 twin_s += computed_s
                 calls_s += answered_at - called_at - computed_s
                 response = self._responses(result)
-                residual_n = float(np.linalg.norm(self._flat(response - guess)))
-                if residual_n <= self._tolerance_n or iteration == self._iterations:
+                felt, back = guess[feels].ravel(), response[feels].ravel()
+                residual_m = self._solver.displacement_m(back - felt)
+                if residual_m <= self._tolerance_m or iteration == self._iterations:
                     break
-                guess = self._guess(response, self._solver.next(self._flat(guess), self._flat(response)))
+                guess = self._guess(response, self._solver.next(felt, back))
             if self._iterations == 1:
                 response = guess + self._relaxation * (response - guess)
             else:
-                self.session.fork(_TRIED, [_DONE])
-                self._is_tried = False
+                # The others are where the frame began.
+                self.slot, self._fresh = slot, []
         except BaseException as error:
             # A refusal or a divergence leaves the twin where it was; of others nobody knows.
             self._is_in_doubt = not isinstance(error, CouplingError)
-            self._solver.differences = kept
+            self._solver.inverse = kept
             model.restore(began)
             raise
         self._wrenches, self._poses, self._behind_s = response, poses, behind_s
         self._state, self._number = result.state(0), self._number + 1
-        felt = self._in_model(response) if self._feedback else np.zeros((0, 6))
+        wrenches = self._in_model(response) if self._feedback else np.zeros((0, 6))
         return Frame(
             number=self._number,
             steps=steps,
-            wrenches=dict(zip(self._names, felt, strict=False)),
+            wrenches=dict(zip(self._names, wrenches, strict=False)),
             positions=self.positions,
             held=self._held(),
             state=self._state,
             iterations=iteration,
-            residual_n=residual_n,
+            residual_m=residual_m,
             result=result,
             times=Times(model_s, twin_s, calls_s, time.monotonic() - started_at),
         )
 
-    def _evaluate(self, poses: npt.NDArray[np.float32], closed: tuple[bool, ...]) -> RolloutResult:
-        """The twin after a frame in which its grippers go to these poses."""
-        arguments: RolloutArguments = {
-            "poses": np.stack([self._poses, poses])[None],
-            "gripper_of_control": self._around.gripper_of_control,
-            "frames": 1,
-            "returns": self._returns,
-        }
-        if closed != self._usual:
-            grasps = zip(self._around.grasps, closed, strict=True)
-            arguments["grasps"] = [replace(grasp, closed=is_closed) for grasp, is_closed in grasps]
-        if self._is_tried:
-            self.session.fork(_DONE, [_TRIED])
-        self._is_tried = self._iterations > 1
-        self._next = arguments
+    def _evaluate(
+        self, poses: npt.NDArray[np.float32], closed: tuple[bool, ...]
+    ) -> tuple[int, RolloutResult]:
+        """The twin after a frame in which its grippers go to these poses, and its slot."""
+        slot = self.slot
+        if self._iterations > 1:
+            if not self._fresh:
+                self.session.fork(slot)
+                self._fresh = [other for other in range(self.session.info.slots) if other != slot]
+            slot = self._fresh.pop()
+        rows = np.stack([self._poses, poses])[None]
+        message = self._messages.get(closed)
+        if message is None:
+            message = self._messages[closed] = self._message(rows, closed)
+        message.slots[:] = [slot]
+        message.rollout.poses.poses.data = rows.tobytes()
+        self._next = message
         if self._stream is None:
-            slots = [_DONE if self._iterations == 1 else _TRIED]
-            self._stream = self.session.control(self._requests(), slots=slots)
+            call = self.session._control(self._sent, self._requests())
+            self._stream = self.session._caller.exchange(call)
         result = next(self._stream, None)
         if result is None:
-            message = "the server has ended the stream of frames: it stops or restarts"
-            raise BendTwinError(Category.UNAVAILABLE, "UNAVAILABLE", message)
+            text = "the server has ended the stream of frames: it stops or restarts"
+            raise BendTwinError(Category.UNAVAILABLE, "UNAVAILABLE", text)
         if result.diverged:
             at = result.diverged[0]
             raise CouplingError(
@@ -378,10 +389,25 @@ class Coupling:
                 "faster or farther than its springs allow; move slower, or let grasps slip "
                 "(max_force_n)",
             )
-        return result
+        return slot, result
 
-    def _requests(self) -> Iterator[RolloutArguments]:
-        while True:
+    def _message(
+        self, rows: npt.NDArray[np.float32], closed: tuple[bool, ...]
+    ) -> session_pb2.AdvanceSessionRequest:
+        arguments: RolloutArguments = {
+            "poses": rows,
+            "gripper_of_control": self._around.gripper_of_control,
+            "frames": 1,
+            "returns": self._returns,
+        }
+        if closed != self._usual:
+            grasps = zip(self._around.grasps, closed, strict=True)
+            arguments["grasps"] = [replace(grasp, closed=is_closed) for grasp, is_closed in grasps]
+        return self.session._advance_request([], arguments)
+
+    def _requests(self) -> Iterator[session_pb2.AdvanceSessionRequest]:
+        while self._next is not None:
+            self._sent.append(self._next)
             yield self._next
 
     def _drop_stream(self) -> None:
@@ -389,6 +415,9 @@ class Coupling:
             stream, self._stream = self._stream, None
             if isinstance(stream, Generator):
                 stream.close()
+        # Another session has another name.
+        self._messages.clear()
+        self._sent.clear()
 
     def _rows(self, poses: FloatArray) -> npt.NDArray[np.float32]:
         """Poses of all grippers as they are sent, [G + 1, 7]: the last stands still."""
@@ -415,14 +444,15 @@ class Coupling:
             np.subtract.at(total, self._around.collider_carriers, forces.colliders[0, 0])
         return self._newtons * total[:-1]
 
-    def _flat(self, wrenches: FloatArray) -> FloatArray:
-        """Wrenches on bodies that feel them, as numbers of one unit, newtons."""
-        return (wrenches[self._feels] / _UNITS).reshape(-1)
+    def _units(self) -> FloatArray:
+        """Displacements of the bodies that feel wrenches, by each part of these, in a frame."""
+        mobility = self._model.mobility(np.flatnonzero(self._feels))
+        return (mobility * [1.0, _TURN_M]).repeat(3, axis=1).ravel() * self.frame_s**2 / 2
 
-    def _guess(self, response: FloatArray, flat: FloatArray) -> FloatArray:
-        """The wrenches of such numbers, and those of the other bodies as they came back."""
+    def _guess(self, response: FloatArray, felt: FloatArray) -> FloatArray:
+        """Guessed wrenches on bodies that feel them, and on the others those that came back."""
         guess = response.copy()
-        guess[self._feels] = flat.reshape(-1, 6) * _UNITS
+        guess[self._feels] = felt.reshape(-1, 6)
         return guess
 
     def _in_model(self, wrenches: FloatArray) -> FloatArray:
@@ -454,7 +484,7 @@ def _newtons(known_kg: float | None, given_kg: float | None, masses: float, aske
 
 
 def _check(
-    model: Any, frame_s: float, iterations: int, relaxation: float, tolerance_n: float
+    model: Any, frame_s: float, iterations: int, relaxation: float, tolerance_m: float
 ) -> None:
     if not 0.0 < model.opt.timestep <= frame_s:
         raise ValueError(
@@ -465,5 +495,5 @@ def _check(
         raise ValueError("iterations must be at least 1")
     if not 0.0 < relaxation <= 1.0:
         raise ValueError("relaxation must be above 0 and at most 1")
-    if not tolerance_n >= 0.0:
-        raise ValueError("tolerance_n must not be negative")
+    if not tolerance_m >= 0.0:
+        raise ValueError("tolerance_m must not be negative")

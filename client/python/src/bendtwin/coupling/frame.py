@@ -47,9 +47,9 @@ class Frame:
     state: State
     #: Evaluations of the frame: 1 unless `iterations` is larger.
     iterations: int
-    #: Difference between the wrenches that were applied and those that came back, newtons; torques
-    #: count as forces at an arm of 0.1 m. With one iteration it is the change of a frame.
-    residual_n: float
+    #: Displacement of a body by the difference between the wrenches that were applied and those
+    #: that came back, metres.
+    residual_m: float
     #: The reply of the twin.
     result: RolloutResult
     times: Times

@@ -1,9 +1,10 @@
 """The fixed point of a frame: wrenches that, applied to the model, come back from the twin.
 
-Explicit coupling takes a step towards it once a frame. Implicit coupling repeats the frame until
-the residual `H(w) - w` is small, H being the wrenches that come back. The interface quasi-Newton
-method (inverse least squares: Degroote, Bathe, Vierendeels 2009) estimates the response from the
-differences of evaluations, of this frame and of the last few.
+Implicit coupling repeats a frame until the residual `r = H(w) - w` is small, H being the wrenches
+that come back. How small is a matter of motion: wrenches are measured by the displacement that
+they cause within the frame, so that a residual that ends the iteration on a heavy arm does not on a
+light plug. Guesses follow Broyden's first method, whose estimate of the inverse Jacobian is kept
+from frame to frame: an object that moves smoothly needs few evaluations.
 """
 
 from __future__ import annotations
@@ -13,59 +14,49 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Length at which a torque counts as a force, metres.
-ARM_M = 0.1
-#: Shorter differences of residuals are noise.
-_LEAST_N = 1e-6
-#: Share of a difference that must point elsewhere than newer ones.
-_LEAST_SHARE = 0.5
+#: Largest change of displacements by an iteration, metres: an estimate from a slack cable says
+#: little about a taut one.
+_LARGEST_M = 0.05
+#: Displacement of a unit of a wrench that moves nothing, in the place of 0.
+_LEAST = 1e-12
 
 
 class FixedPoint:
-    """Estimates of the wrenches of a frame; wrenches are flat, in newtons (`ARM_M` for torques)."""
+    """Guesses of the wrenches of a frame, [6 n] for n bodies."""
 
-    def __init__(self, relaxation: float, kept_frames: int) -> None:
-        self._relaxation = relaxation
-        self._kept_frames = kept_frames
-        #: Differences of residuals and of responses, newest first, by frame.
-        self.differences: list[list[tuple[FloatArray, FloatArray]]] = []
+    def __init__(self, size: int, relaxation: float) -> None:
+        #: Estimate of the inverse of d residual / d wrench, both as displacements; a new one as if
+        #: the twin did not react.
+        self.inverse: FloatArray = -relaxation * np.eye(size)
+        self._units = np.ones(size)
         self._last: tuple[FloatArray, FloatArray] | None = None
 
-    def begin(self) -> None:
-        """Starts a frame."""
-        self.differences = [[], *self.differences[: self._kept_frames]]
-        self._last = None
+    def begin(self, units: FloatArray) -> None:
+        """Starts a frame with the displacements [6 n] of a unit of each part of the wrenches."""
+        self._units, self._last = np.maximum(units, _LEAST), None
+
+    def displacement_m(self, wrenches: FloatArray) -> float:
+        """The largest displacement of a body by a change of the wrenches."""
+        of_bodies = np.linalg.norm((self._units * wrenches).reshape(-1, 6), axis=1)
+        return float(of_bodies.max(initial=0.0))
 
     def next(self, guess: FloatArray, response: FloatArray) -> FloatArray:
         """The next guess after an evaluation."""
-        residual = response - guess
+        residual = self._units * (response - guess)
         if self._last is not None:
-            before, answered = self._last
-            self.differences[0].insert(0, (residual - before, response - answered))
-        self._last = (residual, response)
-        v, w = self._independent()
-        shares = np.linalg.lstsq(v, -residual, rcond=None)[0]
-        # What no difference explains is relaxed, as in a first step.
-        explained = residual + v @ shares
-        following: FloatArray = response + w @ shares - (1 - self._relaxation) * explained
+            moved = self._units * (guess - self._last[0])
+            self._learn(moved, residual - self._last[1])
+        self._last = (guess, residual)
+        step = -self.inverse @ residual
+        step *= min(1.0, _LARGEST_M / max(float(np.linalg.norm(step)), _LARGEST_M))
+        following: FloatArray = guess + step / self._units
         return following
 
-    def _independent(self) -> tuple[FloatArray, FloatArray]:
-        """Differences of residuals and responses as columns, the newest and those of older ones
-        that point elsewhere: where a cable gets taut, the older ones of its direction are wrong."""
-        count = len(self._last[0]) if self._last is not None else 0
-        basis = np.zeros((count, 0))
-        columns: list[tuple[FloatArray, FloatArray]] = []
-        for v, w in (pair for frame in self.differences for pair in frame):
-            size = float(np.linalg.norm(v))
-            if size < _LEAST_N:
-                continue
-            rest = v / size - basis @ (basis.T @ v) / size
-            if float(np.linalg.norm(rest)) < _LEAST_SHARE:
-                continue
-            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
-            columns.append((v / size, w / size))
-            if len(columns) == count:
-                break
-        parts = [np.array([pair[i] for pair in columns]).reshape(-1, count).T for i in (0, 1)]
-        return parts[0], parts[1]
+    def _learn(self, moved: FloatArray, changed: FloatArray) -> None:
+        """Changes the estimate as little as an evaluation demands (Sherman-Morrison)."""
+        expected = self.inverse @ changed
+        scale = float(moved @ expected)
+        if abs(scale) > 1e-12 * float(moved @ moved):
+            update = np.outer(moved - expected, moved @ self.inverse) / scale
+            # A new matrix: snapshots have the old one.
+            self.inverse = self.inverse + update

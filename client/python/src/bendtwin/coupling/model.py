@@ -119,6 +119,24 @@ class Model:
             row[:] = self._change.pose(position, quaternion)
         return rows
 
+    def mobility(self, carriers: npt.NDArray[np.intp]) -> FloatArray:
+        """What a force, and a torque, accelerate some carriers by, 1/kg and 1/(kg m²), [n, 2]:
+        means over directions, of all bodies and joints that take part."""
+        model, data, size = self.model, self.data, self.model.nv
+        found = np.zeros((len(carriers), 2))
+        if len(carriers) == 0:
+            return found
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_factorM(model, data)
+        jacobian, moved = np.zeros((6, size)), np.zeros((6, size))
+        for row, number in zip(found, carriers, strict=True):
+            carrier = self._carriers[number]
+            at = data.xpos[carrier.body] if carrier.site < 0 else data.site_xpos[carrier.site]
+            mujoco.mj_jac(model, data, jacobian[:3], jacobian[3:], at, carrier.body)
+            mujoco.mj_solveM(model, data, moved, jacobian)
+            row[:] = np.einsum("av,av->a", jacobian, moved).reshape(2, 3).mean(axis=1)
+        return found
+
     def run(self, steps: int, wrenches: FloatArray | None, control: Control | None) -> None:
         """Takes steps under wrenches [G, 6] about the carriers' origins, along the world's axes.
 
