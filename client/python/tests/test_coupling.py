@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scenes import twin_file
+from scenes import hanging
 from server import START_S, needs_server, running
 
 from bendtwin import BendTwinError, Client, Grasp, Sphere, State
@@ -19,36 +19,18 @@ from bendtwin.coupling import ClosedWhen, Coupling, CouplingError, Gripper  # no
 
 pytestmark = needs_server
 
-MASS_KG, GRAVITY, FPS, LENGTH_M = 0.1, 9.81, 30, 0.3
+MASS_KG, GRAVITY, FPS, LENGTH_M = 0.1, 9.81, 30, 0.3  # Those of the cables.
 WEIGHT_N = MASS_KG * GRAVITY
-
-
-def cable(nodes=7, *, newtons_per_strain=300.0, drag=1.5, top=1.0):
-    """A cable that hangs straight down from the hand at its first node."""
-    down = np.linspace(0, LENGTH_M, nodes)[:, None] * [0, 0, -1] + [0, 0, top]
-    file = twin_file(
-        down,
-        [[i, i + 1] for i in range(nodes - 1)],
-        down[:1],
-        triplets=[[i, i + 1, i + 2] for i in range(nodes - 2)],
-        pins=[[0, 0]],
-        mass_kg=MASS_KG,
-        drag=drag,
-        timing={"fps": FPS, "substeps": 100},
-        environment={"gravity": [0, 0, -GRAVITY], "ground": None},
-        contact={"between_objects": False},
-    )
-    unit = MASS_KG / nodes  # Newtons of the file's unit of force.
-    file.tensors["nodes.mass"] = np.ones(nodes, "<f4")
-    file.tensors["springs.stiffness"] = np.full(nodes - 1, newtons_per_strain / unit, "<f4")
-    file.tensors["springs.dashpot"] = np.full(nodes - 1, 40.0, "<f4")
-    return file
 
 
 @pytest.fixture(scope="module")
 def at(tmp_path_factory):
     folder = tmp_path_factory.mktemp("coupling")
-    twins = {"soft": cable(), "free": cable(drag=0.0), "stiff": cable(newtons_per_strain=1500.0)}
+    twins = {
+        "soft": hanging(),
+        "free": hanging(drag=0.0),
+        "stiff": hanging(newtons_per_strain=1500.0),
+    }
     with running(folder) as address, Client(address) as client:
         for name, file in twins.items():
             (folder / name).write_bytes(file.encode())
@@ -296,7 +278,7 @@ def test_a_twin_that_diverges_leaves_both_as_they_were(at, iterations):
 
 
 def test_a_server_that_is_gone_is_reported_when_patience_ends(at, tmp_path):
-    (tmp_path / "cable").write_bytes(cable().encode())
+    (tmp_path / "cable").write_bytes(hanging().encode())
     model, data = model_of(HAND)
     with running(tmp_path) as address:
         client = Client(address)
@@ -401,7 +383,7 @@ def test_a_taut_cable_needs_implicit_coupling(at):
 
 def test_arguments_that_cannot_be_used_are_refused(at, tmp_path):
     model, data = model_of(HAND)
-    unknown = cable()
+    unknown = hanging()
     del unknown.about["mass_kg"]
     (tmp_path / "unknown").write_bytes(unknown.encode())
     twin = at.client.import_twin(tmp_path / "unknown")

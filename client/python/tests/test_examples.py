@@ -17,6 +17,7 @@ PAGE = EXAMPLES / "../../../docs/use/examples.md"
 NEEDS = {
     "export": ("mujoco", "trimesh"),
     "gradients": ("matplotlib",),
+    "mujoco_arm": ("matplotlib", "mujoco"),
     "plan": ("matplotlib",),
     "rollouts": ("matplotlib",),
 }
@@ -24,6 +25,7 @@ NEEDS = {
 WRITES = {
     "export": ("twin.glb", "twin.xml", "twin.html"),
     "gradients": ("gradients.png",),
+    "mujoco_arm": ("mujoco_arm.png",),
     "plan": ("plan.png",),
     "rollouts": ("rollouts.png",),
 }

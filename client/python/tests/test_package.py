@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.planners"]
+MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.coupling", "bendtwin.planners"]
 
 
 def test_the_public_names_are_these():
