@@ -145,7 +145,7 @@ with Client(os.environ.get("BENDTWIN_SERVER", "http://127.0.0.1:7070")) as clien
             ("closed", 0.02, CLOSED),
             ("lifted", 0.3, CLOSED),
         ]
-        start, frames, felt = 0.25, round(1.5 / coupling.frame_s), []
+        start, frames, felt = 0.25, round(1.0 / coupling.frame_s), []
         for number, (name, height, fingers) in enumerate(scenes):
             for frame in range(frames):
                 share = min(1.0, 2.0 * (frame + 1) / frames)
