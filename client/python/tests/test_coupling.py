@@ -205,6 +205,15 @@ def test_the_same_frames_follow_again_bit_for_bit(at):
     coupling.close()
 
 
+def test_a_coupling_needs_neither_grippers_nor_colliders(at):
+    model, _ = model_of(HAND)
+    with Coupling(model, mujoco.MjData(model), at.client, at.soft, held_hands=[0]) as coupling:
+        frame = coupling.step()
+    assert frame.wrenches == {}
+    assert frame.held == {}
+    assert np.asarray(frame.state.positions)[0, 2] == 1.0
+
+
 def above():
     """Places the model so that its origin at 1 m is the end of the cable."""
     return {"world_in_twin": [0, 0, -LENGTH_M, 0, 0, 0, 1]}
@@ -334,7 +343,8 @@ def test_what_a_body_pushes_gets_the_momentum_that_the_body_loses(at):
 
 
 def swing(at, twin, mass_kg, *, grasp=HOLDS_END, gravity=GRAVITY, held=(0,), **options):
-    """The largest speed of a plug in the first and in the last half of a second of two, or a failure."""
+    """The largest speeds of a plug in the first and in the last half second of two seconds, or the
+    reason of a failure."""
     model, data = model_of(plug(mass_kg), gravity=gravity)
     data.qvel[0] = 0.1
     place = above() if held else {}

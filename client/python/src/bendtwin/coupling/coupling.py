@@ -8,9 +8,8 @@ follows the poses of the model's bodies through that frame, and answers with the
 from __future__ import annotations
 
 import time
-from collections import deque
-from collections.abc import Generator, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -24,20 +23,16 @@ from bendtwin.coupling.gripper import Gripper
 from bendtwin.coupling.interface import FixedPoint
 from bendtwin.coupling.model import Control, Model, yields
 from bendtwin.coupling.poses import IDENTITY, Change
+from bendtwin.coupling.simulated import MOST_TRIALS, Simulated
 from bendtwin.coupling.surroundings import Ground, Surroundings, surroundings
-from bendtwin.errors import BendTwinError, Category
 from bendtwin.session import Session
-from bendtwin.simulation.arguments import RolloutArguments
 from bendtwin.simulation.rollout import Fidelity, Returns, RolloutResult
 from bendtwin.simulation.state import Grasping, InitialState, State
 from bendtwin.simulation.world import Grasp, Vary
 from bendtwin.twin import Twin
-from bendtwin.v1 import session_pb2
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Most evaluations between two copies of the state to their slots.
-_TRIALS = 7
 _RETRY_S = 0.2
 #: Displacement for which a turn by 1 rad counts, metres.
 _TURN_M = 0.05
@@ -147,7 +142,6 @@ class Coupling:
             change=self._change,
         )
         carriers = self._around.carriers
-        self._usual = tuple(grasp.closed is True for grasp in self._around.grasps)
         self._model = Model(model, data, carriers, self._change)
         self._names = [carrier.name for carrier in carriers]
         self._grippers = list(grippers or {})
@@ -157,36 +151,26 @@ class Coupling:
         self._tolerance_m = tolerance_m
         self._relaxation, self._feedback = relaxation, feedback
         self._max_speed_m_s, self._patience_s = max_speed_m_s, patience_s
-        self._returns = Returns(forces=feedback, final_state=True)
         self._solver = FixedPoint(6 * int(self._feels.sum()), relaxation)
-        #: The session of the twin.
-        self.session: Session = client.open_session(
+        session = client.open_session(
             twin,
             initial=initial,
-            slots=1 if self._iterations == 1 else 1 + min(self._iterations, _TRIALS),
+            slots=1 if self._iterations == 1 else 1 + min(self._iterations, MOST_TRIALS),
             world=self._around.world,
             grasps=self._around.grasps,
             vary=vary,
             fidelity=fidelity,
             idle_timeout_s=idle_timeout_s,
         )
-        self._stream: Iterator[RolloutResult] | None = None
-        #: Messages by which grasps are closed, of which only slot and poses change.
-        self._messages: dict[tuple[bool, ...], session_pb2.AdvanceSessionRequest] = {}
-        self._next: session_pb2.AdvanceSessionRequest | None = None
-        self._sent: deque[session_pb2.AdvanceSessionRequest] = deque()
-        #: Slot of the session in which the twin is as it is.
-        self.slot = 0
-        #: Other slots in the same state.
-        self._fresh: list[int] = []
-        self._is_in_doubt = self._is_lost = self._is_closed = False
+        try:
+            returns = Returns(forces=feedback, final_state=True)
+            self._twin = Simulated(session, self._around, returns)
+        except BaseException:
+            session.close()
+            raise
+        self._is_closed = False
         self._number, self._behind_s = 0, 0.0
         self._wrenches = np.zeros((len(carriers), 6))
-        try:
-            self._state = self.session.states([0])[0]
-        except BaseException:
-            self.session.close()
-            raise
         self._poses = self._rows(self._model.poses())
         self._first = self.save()
 
@@ -204,12 +188,22 @@ class Coupling:
     @property
     def positions(self) -> FloatArray:
         """Positions of the twin's nodes [N, 3] in the model's world, metres."""
-        return self._change.points_back(self._state.positions)
+        return self._change.points_back(self.state.positions)
 
     @property
     def state(self) -> State:
         """The state of the twin, in its own coordinates."""
-        return self._state
+        return self._twin.state
+
+    @property
+    def session(self) -> Session:
+        """The session of the twin."""
+        return self._twin.session
+
+    @property
+    def slot(self) -> int:
+        """The slot of the session in which the twin is after the last frame."""
+        return self._twin.slot
 
     def step(self, control: Control | None = None) -> Frame:
         """Advances the model and the twin by one frame of the twin.
@@ -229,21 +223,20 @@ class Coupling:
         deadline = time.monotonic() + self._patience_s
         while True:
             try:
-                self._agree()
+                self._twin.agree()
                 return self._frame(control)
-            except BendTwinError as error:
-                self._is_lost |= error.reason == "SESSION_LOST"
+            except BaseException as error:
                 is_over = time.monotonic() + _RETRY_S > deadline
-                if is_over or not (self._is_lost or error.category is Category.UNAVAILABLE):
+                if not self._twin.missed(error) or is_over:
                     raise
                 time.sleep(_RETRY_S)
 
     def save(self) -> Snapshot:
-        """The model and the twin as they are, for `restore`."""
+        """The state of both, for `restore`."""
         return Snapshot(
             number=self._number,
             model=self._model.save(),
-            twin=self._state,
+            twin=self.state,
             poses=self._poses,
             wrenches=self._wrenches,
             behind_s=self._behind_s,
@@ -260,7 +253,7 @@ class Coupling:
         """
         self._model.restore(snapshot.model)
         self._take(snapshot)
-        self._agree()
+        self._twin.agree()
 
     def reset(self, *, model: bool = True) -> None:
         """Sets both to their first state; with `model=False` only the twin, around the model as the
@@ -271,33 +264,19 @@ class Coupling:
         self._model.settle()
         self._take(self._first)
         self._poses = self._rows(self._model.poses())
-        self._agree()
+        self._twin.agree()
 
     def close(self) -> None:
-        """Ends the session; the model stays as it is. Closing twice is not an error."""
+        """Ends the session; the model does not change. Closing twice is not an error."""
         self._is_closed = True
-        self._drop_stream()
-        self.session.close()
+        self._twin.close()
 
     def _take(self, snapshot: Snapshot) -> None:
         """Everything of a state but the model."""
         self._number, self._behind_s = snapshot.number, snapshot.behind_s
-        self._state, self._poses = snapshot.twin, snapshot.poses
-        self._wrenches = snapshot.wrenches
+        self._poses, self._wrenches = snapshot.poses, snapshot.wrenches
         self._solver.inverse = snapshot.inverse
-        self._is_in_doubt = True
-
-    def _agree(self) -> None:
-        """Brings the slot to the state that is kept here, where a call may have left another."""
-        if not (self._is_in_doubt or self._is_lost):
-            return
-        self._drop_stream()
-        if self._is_lost:
-            self.session.reopen()
-            self._is_lost = False
-        self.session.reset([self.slot], self._state)
-        self._fresh = []
-        self._is_in_doubt = False
+        self._twin.set(snapshot.twin)
 
     def _frame(self, control: Control | None) -> Frame:
         model, started_at = self._model, time.monotonic()
@@ -318,7 +297,7 @@ class Coupling:
                 poses = self._rows(model.poses(behind_s))
                 self._check_speeds(poses)
                 called_at = time.monotonic()
-                slot, result = self._evaluate(poses, closed)
+                slot, result = self._twin.evaluate(self._poses, poses, closed)
                 answered_at = time.monotonic()
                 computed_s = result.timing.compute_s if result.timing else 0.0
                 model_s += called_at - begun_at
@@ -330,19 +309,15 @@ class Coupling:
                 if residual_m <= self._tolerance_m or iteration == self._iterations:
                     break
                 guess = self._guess(response, self._solver.next(felt, back))
-            if self._iterations == 1:
-                response = guess + self._relaxation * (response - guess)
-            else:
-                # The others are where the frame began.
-                self.slot, self._fresh = slot, []
-        except BaseException as error:
-            # A refusal or a divergence leaves the twin where it was; of others nobody knows.
-            self._is_in_doubt = not isinstance(error, CouplingError)
+        except BaseException:
             self._solver.inverse = kept
             model.restore(began)
             raise
+        if self._iterations == 1:
+            response = guess + self._relaxation * (response - guess)
+        self._twin.take(slot, result)
         self._wrenches, self._poses, self._behind_s = response, poses, behind_s
-        self._state, self._number = result.state(0), self._number + 1
+        self._number += 1
         wrenches = self._in_model(response) if self._feedback else np.zeros((0, 6))
         return Frame(
             number=self._number,
@@ -350,74 +325,12 @@ class Coupling:
             wrenches=dict(zip(self._names, wrenches, strict=False)),
             positions=self.positions,
             held=self._held(),
-            state=self._state,
+            state=self.state,
             iterations=iteration,
             residual_m=residual_m,
             result=result,
             times=Times(model_s, twin_s, calls_s, time.monotonic() - started_at),
         )
-
-    def _evaluate(
-        self, poses: npt.NDArray[np.float32], closed: tuple[bool, ...]
-    ) -> tuple[int, RolloutResult]:
-        """The twin after a frame in which its grippers go to these poses, and its slot."""
-        slot = self.slot
-        if self._iterations > 1:
-            if not self._fresh:
-                self.session.fork(slot)
-                self._fresh = [other for other in range(self.session.info.slots) if other != slot]
-            slot = self._fresh.pop()
-        rows = np.stack([self._poses, poses])[None]
-        message = self._messages.get(closed)
-        if message is None:
-            message = self._messages[closed] = self._message(rows, closed)
-        message.slots[:] = [slot]
-        message.rollout.poses.poses.data = rows.tobytes()
-        self._next = message
-        if self._stream is None:
-            call = self.session._control(self._sent, self._requests())
-            self._stream = self.session._caller.exchange(call)
-        result = next(self._stream, None)
-        if result is None:
-            text = "the server has ended the stream of frames: it stops or restarts"
-            raise BendTwinError(Category.UNAVAILABLE, "UNAVAILABLE", text)
-        if result.diverged:
-            at = result.diverged[0]
-            raise CouplingError(
-                "TWIN_DIVERGED",
-                f"the twin diverged at node {at.node} after frame {self._number}: a body moved it "
-                "faster or farther than its springs allow; move slower, or let grasps slip "
-                "(max_force_n)",
-            )
-        return slot, result
-
-    def _message(
-        self, rows: npt.NDArray[np.float32], closed: tuple[bool, ...]
-    ) -> session_pb2.AdvanceSessionRequest:
-        arguments: RolloutArguments = {
-            "poses": rows,
-            "gripper_of_control": self._around.gripper_of_control,
-            "frames": 1,
-            "returns": self._returns,
-        }
-        if closed != self._usual:
-            grasps = zip(self._around.grasps, closed, strict=True)
-            arguments["grasps"] = [replace(grasp, closed=is_closed) for grasp, is_closed in grasps]
-        return self.session._advance_request([], arguments)
-
-    def _requests(self) -> Iterator[session_pb2.AdvanceSessionRequest]:
-        while self._next is not None:
-            self._sent.append(self._next)
-            yield self._next
-
-    def _drop_stream(self) -> None:
-        if self._stream is not None:
-            stream, self._stream = self._stream, None
-            if isinstance(stream, Generator):
-                stream.close()
-        # Another session has another name.
-        self._messages.clear()
-        self._sent.clear()
 
     def _rows(self, poses: FloatArray) -> npt.NDArray[np.float32]:
         """Poses of all grippers as they are sent, [G + 1, 7]: the last stands still."""
@@ -440,8 +353,11 @@ class Coupling:
         forces = result.forces
         if forces is not None:
             # What stands still is counted to the row that is left out.
-            np.subtract.at(total, self._around.grasp_carriers, forces.grasps[0, 0])
-            np.subtract.at(total, self._around.collider_carriers, forces.colliders[0, 0])
+            around = self._around
+            if around.grasps:
+                np.subtract.at(total, around.grasp_carriers, forces.grasps[0, 0])
+            if around.collider_carriers:
+                np.subtract.at(total, around.collider_carriers, forces.colliders[0, 0])
         return self._newtons * total[:-1]
 
     def _units(self) -> FloatArray:
@@ -461,8 +377,8 @@ class Coupling:
 
     def _held(self) -> dict[str, npt.NDArray[np.int64]]:
         held = {name: np.zeros(0, np.int64) for name in self._grippers}
-        if isinstance(self._state.grasping, Grasping):
-            holders = np.asarray(self._state.grasping.holders).astype(np.int64)
+        if isinstance(self.state.grasping, Grasping):
+            holders = np.asarray(self.state.grasping.holders).astype(np.int64)
             carriers = np.array([-1, *self._around.grasp_carriers])[holders]
             for number, name in enumerate(self._grippers):
                 held[name] = np.flatnonzero(carriers == number)
