@@ -342,10 +342,13 @@ def test_what_a_body_pushes_gets_the_momentum_that_the_body_loses(at):
     assert MASS_KG * nodes.mean() == pytest.approx(0.5 * (1.0 - data.qvel[0]), rel=0.02)
 
 
-def swing(at, twin, mass_kg, *, grasp=HOLDS_END, gravity=GRAVITY, held=(0,), **options):
+def swing(
+    at, twin, mass_kg, *, grasp=HOLDS_END, gravity=GRAVITY, held=(0,), damping=0.0, **options
+):
     """The largest speeds of a plug in the first and in the last half second of two seconds, or the
     reason of a failure."""
-    model, data = model_of(plug(mass_kg), gravity=gravity)
+    joint = f'type="slide" axis="0 0 1" damping="{damping}"'
+    model, data = model_of(plug(mass_kg, joint=joint), gravity=gravity)
     data.qvel[0] = 0.1
     place = above() if held else {}
     with Coupling(
@@ -388,6 +391,14 @@ def test_a_taut_cable_needs_implicit_coupling(at):
     assert swing(at, at.stiff, 0.5, iterations=1) == "TOO_FAST"
     assert swing(at, at.stiff, 0.5, iterations=1, relaxation=0.3) == "TOO_FAST"
     begin, end = swing(at, at.stiff, 0.5)
+    assert end < begin / 2
+
+
+def test_explicit_coupling_of_a_taut_cable_holds_with_enough_damping(at):
+    limit = 300.0 / LENGTH_M / FPS  # Stiffness times a frame.
+    begin, end = swing(at, at.soft, 20.0, iterations=1, damping=0.3 * limit)
+    assert end > begin
+    begin, end = swing(at, at.soft, 20.0, iterations=1, damping=2 * limit)
     assert end < begin / 2
 
 
