@@ -90,7 +90,9 @@ def open_lab(program: Path, *, kept: Path | None = None, cores: int | None = Non
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bendtwin-lab-")))
         address = stack.enter_context(_server(program, folder, cores))
-        yield Lab(program, stack.enter_context(Client(address)), folder, kept)
+        client = stack.enter_context(Client(address))
+        _await_worker(client)
+        yield Lab(program, client, folder, kept)
 
 
 @contextmanager
@@ -114,6 +116,15 @@ def _server(program: Path, folder: Path, cores: int | None) -> Iterator[str]:
     finally:
         server.terminate()
         server.wait(_START_S)
+
+
+def _await_worker(client: Client) -> None:
+    """A twin that is kept needs no fit, which would wait for a worker."""
+    deadline = time.monotonic() + _START_S
+    while not any(client.workers()):
+        if time.monotonic() > deadline:
+            sys.exit("the server starts no worker")
+        time.sleep(0.05)
 
 
 def _on(cores: int | None) -> list[str]:

@@ -23,7 +23,7 @@ import numpy as np
 
 from bendtwin import BendTwinError, Grasp, Returns, Settled, Twin, World
 from studies.lab import at_rest, binary, open_lab
-from studies.loops.report import table
+from studies.loops.report import rows_table
 
 #: Coarse twins of planners, and what `effort` makes of a draft.
 SETTINGS: dict[str, dict[str, Any]] = {
@@ -166,16 +166,6 @@ def speed(velocities: Any) -> float:
 def kinetic_energy(velocities: Any, masses: Any) -> float:
     """Joules, or units of a node's mass where the object's is not known."""
     return float(0.5 * np.sum(masses[:, None] * np.asarray(velocities, dtype=float) ** 2))
-
-
-def rows_table(rows: list[Row]) -> str:
-    """Rows as a table of markdown."""
-    names = list(rows[0])
-    return table(names, [[_shown(row[name]) for name in names] for row in rows])
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.3g}" if isinstance(value, (float, np.floating)) else str(value)
 
 
 def main() -> None:

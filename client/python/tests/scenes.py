@@ -179,3 +179,26 @@ def twisted():
     file = twin_file(nodes, springs, controls, triplets=triplets, pins=pins, rod=rod)
     path = np.linspace(0, 1, FRAMES + 1)[:, None, None] * np.array([[0, 0, 0], [-0.1, 0.05, 0.02]])
     return file, controls + path
+
+
+def hanging(nodes=7, *, newtons_per_strain=300.0, drag=1.5):
+    """A cable of 0.3 m and 0.1 kg that hangs straight down from the hand at its first node, 1 m
+    high, without a ground. No motion."""
+    down = np.linspace(0, 0.3, nodes)[:, None] * [0, 0, -1] + [0, 0, 1.0]
+    file = twin_file(
+        down,
+        [[i, i + 1] for i in range(nodes - 1)],
+        down[:1],
+        triplets=[[i, i + 1, i + 2] for i in range(nodes - 2)],
+        pins=[[0, 0]],
+        mass_kg=0.1,
+        drag=drag,
+        timing={"fps": 30, "substeps": 100},
+        environment={"gravity": [0, 0, -9.81], "ground": None},
+        contact={"between_objects": False},
+    )
+    newtons = 0.1 / nodes  # Of the file's unit of force.
+    file.tensors["nodes.mass"] = np.ones(nodes, "<f4")
+    file.tensors["springs.stiffness"] = np.full(nodes - 1, newtons_per_strain / newtons, "<f4")
+    file.tensors["springs.dashpot"] = np.full(nodes - 1, 40.0, "<f4")
+    return file

@@ -18,6 +18,7 @@ NEEDS = {
     "arm": ("matplotlib",),
     "export": ("mujoco", "trimesh"),
     "gradients": ("matplotlib",),
+    "mujoco_arm": ("matplotlib", "mujoco"),
     "plan": ("matplotlib",),
     "rollouts": ("matplotlib",),
 }
@@ -26,6 +27,7 @@ WRITES = {
     "arm": ("arm.png",),
     "export": ("twin.glb", "twin.xml", "twin.html"),
     "gradients": ("gradients.png",),
+    "mujoco_arm": ("mujoco_arm.png",),
     "plan": ("plan.png",),
     "rollouts": ("rollouts.png",),
 }

@@ -1,4 +1,5 @@
-"""The closed loops of studies/loops, and the measurement of contact at rest, as commands."""
+"""The closed loops of studies/loops, and the measurements of contact at rest and of coupled
+simulation, as commands."""
 
 import json
 import subprocess
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import hanging
 from server import BINARY, needs_server
 
 ROOT = Path(__file__).parents[3]
@@ -51,3 +53,19 @@ def test_contact_at_rest_is_measured(tmp_path):
     assert [row["lowered by, mm"] for row in found["lowered"]] == [0, 10, 20, 60]
     assert [row["slope, rad"] for row in found["creep"]] == [0.15, 0.255]
     assert [row["object"] for row in found["settled"]] == ["toy"]
+
+
+def test_coupled_simulation_is_measured(tmp_path):
+    pytest.importorskip("mujoco")
+    # A twin that is there already is not fitted.
+    (tmp_path / "coupling-rope-tiny.safetensors").write_bytes(hanging().encode())
+    found = json.loads(study("coupling", "--quick", "--json", "--twins", tmp_path))
+    cases = [(row["coupling"], row["colliders"]) for row in found["speed"]]
+    assert cases == [("explicit", 0), ("explicit", 2), ("implicit", 2)]
+    for row in found["speed"]:
+        assert row["nodes"] == 7
+        assert 0 < row["physics of the twin, ms"] < row["frame, ms"] <= row["p99, ms"]
+        assert row["frames a second"] == pytest.approx(1e3 / row["frame, ms"])
+    assert len(found["stability"]) == 3
+    implicit = [row for row in found["stability"] if row["coupling"] == "implicit"]
+    assert all(row["ended"] == "simulated after 0.2 s" for row in implicit)

@@ -5,7 +5,13 @@ from pathlib import Path
 
 import pytest
 
-MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.planners", "bendtwin.robots"]
+MODULES = [
+    "bendtwin",
+    "bendtwin.aio",
+    "bendtwin.coupling",
+    "bendtwin.planners",
+    "bendtwin.robots",
+]
 
 
 def test_the_public_names_are_these():
