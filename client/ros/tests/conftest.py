@@ -27,11 +27,11 @@ def state(tmp_path_factory):
 @pytest.fixture(scope="session")
 def server(tmp_path_factory):
     """A server with two twins by hand: a sheet that one hand drags, and a cable in two hands."""
-    from made_ros import cable_file
     from scenes import dragged
     from server import running
 
     from bendtwin import Client
+    from made_ros import cable_file
 
     folder = tmp_path_factory.mktemp("server")
     (folder / "sheet.twin").write_bytes(dragged()[0].encode())

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from types import ModuleType, SimpleNamespace
+from typing import ClassVar
 
 import fake_messages
 
@@ -37,7 +38,7 @@ class Time:
 
 class Buffer:
     #: Poses by (target, source): a message of a transform, or a function of the time.
-    known = {}
+    known: ClassVar[dict] = {}
 
     def lookup_transform(self, target, source, time, timeout=None):
         assert isinstance(timeout, Duration)
@@ -68,7 +69,7 @@ class StaticTransformBroadcaster:
     def __init__(self, node):
         self._node = node
 
-    def sendTransform(self, transform):  # noqa: N802
+    def sendTransform(self, transform):
         assert type(transform).__name__ == "geometry_msgs/msg/TransformStamped"
         self._node.published.setdefault("/tf_static", []).append(transform)
 
@@ -84,7 +85,7 @@ class Publisher:
 
 class Node:
     #: Overrides, as a file of parameters gives them.
-    given = {}
+    given: ClassVar[dict] = {}
     now_ns = 0
 
     def __init__(self, name):
@@ -144,13 +145,15 @@ class ActionServer:
 
     last = None
 
-    def __init__(self, node, kind, name, execute, *, callback_group, goal_callback, cancel_callback):
+    def __init__(
+        self, node, kind, name, execute, *, callback_group, goal_callback, cancel_callback
+    ):
         self.kind, self.name, self._execute = kind, name, execute
         self._accepts = goal_callback
         ActionServer.last = self
 
     def send(self, goal, cancel_after=None):
-        """How a goal ended, its result, and the feedback; cancelled after so many of it."""
+        """How a goal ended, its result, and the feedback; `cancel_after` is the number of feedback messages after which it is cancelled."""
         assert type(goal) is self.kind.Goal
         assert self._accepts(goal) == GoalResponse.ACCEPT
         handle = GoalHandle(self.kind, goal, cancel_after)

@@ -42,7 +42,9 @@ def settings(**given):
     grippers = [name for name in named.get("grippers", [""]) if name]
     values = {parameter.name: parameter.default for parameter in PARAMETERS}
     for name in grippers:
-        values |= {f"{name}.{parameter.name}": parameter.default for parameter in GRIPPER_PARAMETERS}
+        values |= {
+            f"{name}.{parameter.name}": parameter.default for parameter in GRIPPER_PARAMETERS
+        }
     unknown = named.keys() - values.keys()
     assert not unknown, unknown
     return settings_of((values | named).__getitem__)
@@ -142,5 +144,5 @@ class Cable:
         return self.geometry.skin.positions(nodes), nodes, stamps[::STEP]
 
     def noisy(self, points):
-        """As a camera sees them."""
+        """Points with the noise of a camera."""
         return points + self._noise.normal(0.0, self._noise_m, points.shape)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from made_ros import Cable, cable_file, cloud_at
 from server import needs_server
 
 from bendtwin import BendTwinError, Category
@@ -12,6 +11,7 @@ from bendtwin_ros.link import Link, Trouble, Unavailable, trouble_of
 from bendtwin_ros.logic import TwinNode
 from bendtwin_ros.messages.own import PlanGoal, RegisterRequest
 from bendtwin_ros.status import Status
+from made_ros import Cable, cable_file, cloud_at
 
 
 class Clock:

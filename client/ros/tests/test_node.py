@@ -5,16 +5,16 @@ from __future__ import annotations
 import importlib
 import sys
 
-import fake_rclpy
 import numpy as np
 import pytest
-from made_ros import CAMERA, Cable, cloud_at
 from server import needs_server
 
+import fake_rclpy
 from bendtwin_ros import convert
 from bendtwin_ros.messages import basic, own
 from bendtwin_ros.messages.basic import Point
 from bendtwin_ros.poses import SECOND
+from made_ros import CAMERA, Cable, cloud_at
 
 pytestmark = needs_server
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
-from made_ros import FakeFrames, shifted
 from scipy.spatial import ConvexHull
 
 from bendtwin import ConvexMesh, Cuboid, Sphere
@@ -22,6 +23,7 @@ from bendtwin_ros.messages.scene import (
 )
 from bendtwin_ros.poses import applied, matrix
 from bendtwin_ros.scene import Obstacles, SceneFault
+from made_ros import FakeFrames, shifted
 
 FRAMES = FakeFrames({"table": shifted([1, 0, 0]), "twin": shifted([0, 0, 0])})
 TURNED = Pose(Point(0.0, 0.0, 0.5), Quaternion(0.7071068, 0.0, 0.0, 0.7071068))
@@ -108,7 +110,10 @@ def scene(*objects, diff=True):
 
 
 def names(obstacles):
-    return [c.name.split(":")[0] for c in obstacles.world("twin", FRAMES, friction=0, margin_m=0).colliders]
+    return [
+        c.name.split(":")[0]
+        for c in obstacles.world("twin", FRAMES, friction=0, margin_m=0).colliders
+    ]
 
 
 def test_changes_of_a_scene_add_move_and_remove():
@@ -141,7 +146,9 @@ def test_changes_of_a_scene_add_move_and_remove():
         solid("x", SolidPrimitive.SPHERE, 1.0, pose=Pose(Point(), Quaternion(0.0, 0.0, 0.0, 0.0))),
         CollisionObject(id="x", meshes=[Mesh()], header=Header(frame_id="twin")),
         CollisionObject(
-            id="x", meshes=[Mesh([MeshTriangle([0, 1, 9])], [Point()] * 3)], header=Header(frame_id="twin")
+            id="x",
+            meshes=[Mesh([MeshTriangle([0, 1, 9])], [Point()] * 3)],
+            header=Header(frame_id="twin"),
         ),
         CollisionObject(id="x", planes=[Plane()], header=Header(frame_id="twin")),
         CollisionObject(
@@ -172,7 +179,7 @@ def test_swept_hulls_share_a_time_so_that_no_motion_is_between_them():
     path = np.linspace(0, 1, 7)[:, None, None] + np.zeros((7, 2, 3))
     pieces = hulls.swept(path, 3)
     assert [len(piece) for piece in pieces] == [6, 6, 6]
-    for first, second in zip(pieces, pieces[1:], strict=False):
+    for first, second in pairwise(pieces):
         np.testing.assert_array_equal(first[-2:], second[:2])
     assert len(hulls.swept(path, 100)) == 6
     assert len(hulls.swept(path[:1], 3)) == 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from made_ros import CAMERA, STEP, Cable, FakeFrames, cloud_at
 from server import needs_server
 
 from bendtwin import Vary
@@ -13,6 +12,7 @@ from bendtwin_ros.messages.basic import Header, JointState
 from bendtwin_ros.messages.own import RegisterRequest
 from bendtwin_ros.messages.shown import DiagnosticStatus, Marker
 from bendtwin_ros.poses import SECOND, time_of
+from made_ros import CAMERA, STEP, Cable, FakeFrames, cloud_at
 
 pytestmark = needs_server
 LATENCY_NS = SECOND // 50

@@ -103,7 +103,7 @@ def cloud_of(points: npt.NDArray[Any], header: Header) -> PointCloud2:
 
 
 def thinned(points: Array, cell_m: float, most: int) -> Array:
-    """The mean of the points of each cell of a grid, and of these at most so many, evenly chosen.
+    """The mean of the points of each cell of a grid, and of these at most `most`, evenly chosen.
 
     Cameras see near surfaces many times as densely as far ones; one point a cell counts all parts
     of the object alike.

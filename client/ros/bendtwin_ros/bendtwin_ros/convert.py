@@ -45,12 +45,17 @@ def to_ros(message: Any) -> Any:
 def from_ros(cls: type[_Message], ros: Any) -> _Message:
     """The dataclass with those fields of a message of ROS that it has."""
     given: dict[str, Any] = {}
-    for name, hint in _hints(cls).items():
+    hint: Any
+    # Any type is hashable, but types do not say so.
+    of: Any = cls
+    for name, hint in _hints(of).items():
         value = getattr(ros, name)
         if get_origin(hint) is list:
-            [of] = get_args(hint)
-            value = [from_ros(of, one) if is_dataclass(of) else of(one) for one in value]
-        elif is_dataclass(hint):
+            item: Any
+            [item] = get_args(hint)
+            is_message = _is_message(item)
+            value = [from_ros(item, one) if is_message else item(one) for one in value]
+        elif _is_message(hint):
             value = from_ros(hint, value)
         elif hint is bytes:
             value = bytes(value)
@@ -58,7 +63,11 @@ def from_ros(cls: type[_Message], ros: Any) -> _Message:
     return cls(**given)
 
 
+def _is_message(hint: Any) -> bool:
+    return is_dataclass(hint)
+
+
 @cache
-def _hints(cls: type) -> dict[str, Any]:
+def _hints(cls: Any) -> dict[str, Any]:
     hints = get_type_hints(cls)
     return {field.name: hints[field.name] for field in fields(cls)}

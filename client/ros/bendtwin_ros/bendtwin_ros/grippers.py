@@ -40,7 +40,7 @@ class Hold(NamedTuple):
 
 
 class Samples:
-    """Values by time, in order, whatever the order in which they come."""
+    """Values by time, sorted, in whichever order they arrive."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[int, Any]] = []
@@ -77,7 +77,7 @@ class Gripper:
 
     def __init__(self, settings: GripperSettings) -> None:
         self.settings = settings
-        #: None until it was seen.
+        #: Last known pose [7] in the twin's frame; None until it was seen.
         self.pose: Array | None = None
         self.closed: bool = not settings.joints or settings.hand is not None
         #: Whether it takes hold of what is in its region: from the start, or once it has released
@@ -218,5 +218,6 @@ class Hands:
     def grasps_of(self, number: int) -> list[int]:
         """Numbers of the grasps of a gripper."""
         with_hand = [i for i, g in enumerate(self.grippers) if g.settings.hand is not None]
-        own = [number]
-        return own + [len(self.grippers) + with_hand.index(number)] if number in with_hand else own
+        if number not in with_hand:
+            return [number]
+        return [number, len(self.grippers) + with_hand.index(number)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -81,8 +82,7 @@ def swept(positions: npt.NDArray[Any], count: int) -> list[Array]:
     pieces = max(min(count, times - 1), 1)
     ends = np.linspace(0, times - 1, pieces + 1).round().astype(int)
     return [
-        np.asarray(positions[a : b + 1], dtype=np.float64).reshape(-1, 3)
-        for a, b in zip(ends[:-1], ends[1:], strict=True)
+        np.asarray(positions[a : b + 1], dtype=np.float64).reshape(-1, 3) for a, b in pairwise(ends)
     ]
 
 

@@ -217,7 +217,7 @@ class Link:
                 ca=self._settings["server.ca"] or None,
             )
         except (OSError, ValueError) as error:
-            # A file that is missing or that others can read, or an address that is none.
+            # A token file that is missing or readable by others, or a malformed address.
             raise BendTwinError(Category.UNAUTHENTICATED, "CLIENT_SETTINGS", str(error)) from error
 
     def _opened(self, twin: Twin, start: InitialState) -> Session:

@@ -197,9 +197,7 @@ class TwinNode:
         if not parent:
             return None
         pose = to_transform(self.settings.twin_pose)
-        return TransformStamped(
-            Header(time_of(now_ns), parent), self.settings["twin_frame"], pose
-        )
+        return TransformStamped(Header(time_of(now_ns), parent), self.settings["twin_frame"], pose)
 
     def _guarded(self, call: Callable[[], Any]) -> None:
         """Calls what may fail for reasons that the status tells."""

@@ -107,7 +107,7 @@ class BendTwinNode(Node):
 
     def _add_publishers(self) -> None:
         settings = self.settings
-        topics = [(logic.DIAGNOSTICS, shown.DiagnosticArray)]
+        topics: list[tuple[str, Any]] = [(logic.DIAGNOSTICS, shown.DiagnosticArray)]
         if settings["publish.markers"]:
             topics.append((logic.MARKERS, shown.MarkerArray))
         if settings["publish.skin"]:

@@ -142,7 +142,7 @@ class GripperSettings:
     scale: float
     offset_m: float
     closed_below_m: float
-    #: None: never slips.
+    #: Force above which the object slips, newtons; None: never.
     max_force_n: float | None
 
 

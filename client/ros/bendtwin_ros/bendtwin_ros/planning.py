@@ -16,8 +16,8 @@ from bendtwin import (
     Bounds,
     Geometry,
     Keypoints,
-    Plausibility,
     PlanUpdate,
+    Plausibility,
     Returns,
     Search,
     TargetCloud,
@@ -132,8 +132,8 @@ def search(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             for best in updates:
-                told = (best.iterations, best.cost, best.nominal_cost, best.time_s)
-                feedback(PlanFeedback(*told))
+                numbers = (best.iterations, best.cost, best.nominal_cost, best.time_s)
+                feedback(PlanFeedback(*numbers))
                 if cancelled():
                     return None
     except BendTwinError as error:

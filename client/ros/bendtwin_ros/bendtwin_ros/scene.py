@@ -34,7 +34,7 @@ _NUMBERS = {
 
 
 class SceneFault(ValueError):
-    """A scene with a shape that is none; the message names the object."""
+    """A scene that cannot be used; the message names the object and what is wrong with it."""
 
 
 class Obstacles:
@@ -92,7 +92,7 @@ class Obstacles:
         """The objects as the world of a rollout, in a frame.
 
         Raises:
-            SceneFault: If a shape is none.
+            SceneFault: If a shape is invalid.
             MissingTransform: If TF does not know the frame of an object.
         """
         colliders: list[Collider] = []
@@ -150,7 +150,7 @@ def _pairs(one: CollisionObject, shapes: list, poses: list) -> Iterator[tuple]: 
 def _pose(one: CollisionObject, message: object) -> Array:
     pose = of_pose(message)  # type: ignore[arg-type]
     if pose is None:
-        raise SceneFault(f"object {one.id!r} has a pose that is none: check its quaternion")
+        raise SceneFault(f"object {one.id!r} has an invalid pose: check its quaternion")
     return pose
 
 
@@ -175,7 +175,7 @@ def _solid(one: CollisionObject, solid: SolidPrimitive) -> Sphere | Cuboid | Con
     low = np.column_stack([ring, np.full(_SIDES, -height / 2.0)])
     if solid.type == SolidPrimitive.CONE:
         return ConvexMesh(np.concatenate([low, [[0.0, 0.0, height / 2.0]]]))
-    return ConvexMesh(np.concatenate([low, low + [0.0, 0.0, height]]))
+    return ConvexMesh(np.concatenate([low, low + np.array([0.0, 0.0, height])]))
 
 
 def _parts(one: CollisionObject, mesh: Mesh) -> list[Array]:

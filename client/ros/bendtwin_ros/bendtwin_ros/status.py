@@ -71,13 +71,11 @@ class Status:
         if self.lost:
             message = "the twin lost its object: it registers again with the next clouds"
             return DiagnosticStatus.ERROR, message
-        worst = self.recent.most_common(1)
-        told = ""
-        if worst:
-            reason, number = worst[0]
-            told = f"{number} x {reason}: {self.last[reason]}".rstrip(": ")
+        recent = ""
+        for reason, number in self.recent.most_common(1):
+            recent = f"{number} x {reason}: {self.last[reason]}".rstrip(": ")
         if not self.follows:
-            return DiagnosticStatus.WARN, told or "waiting for the first cloud of the object"
+            return DiagnosticStatus.WARN, recent or "waiting for the first cloud of the object"
         if self.misfit > 1.0:
             return DiagnosticStatus.WARN, f"misfit {self.misfit:.2f}: above 1 the object gets lost"
-        return (DiagnosticStatus.WARN, told) if told else (DiagnosticStatus.OK, "follows")
+        return (DiagnosticStatus.WARN, recent) if recent else (DiagnosticStatus.OK, "follows")

@@ -15,7 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from bendtwin import BendTwinError, Geometry, Registration, Rest, Returns, RolloutResult, Settled, State
+from bendtwin import (
+    BendTwinError,
+    Geometry,
+    Registration,
+    Rest,
+    Returns,
+    RolloutResult,
+    Settled,
+    State,
+)
 from bendtwin_ros import clouds
 from bendtwin_ros.frames import Frames, MissingTransform
 from bendtwin_ros.grippers import Gripper, Hands
@@ -166,8 +175,10 @@ class Tracker:
             return self._left_out("cloud without stamp", "let the driver of the camera set it")
         if at_ns - now_ns > self._settings["clock.future_s"] * SECOND:
             ahead = (at_ns - now_ns) / SECOND
-            told = f"{ahead:.1f} s ahead of the node's clock: synchronize clocks, or use_sim_time"
-            return self._left_out("cloud from the future", told)
+            message = (
+                f"{ahead:.1f} s ahead of the node's clock: synchronize clocks, or use_sim_time"
+            )
+            return self._left_out("cloud from the future", message)
         if at_ns == self._tried_ns:
             return self._left_out("cloud repeated", "two of the same stamp")
         try:
@@ -185,12 +196,13 @@ class Tracker:
         placed = clouds.thinned(placed, self._settings["cloud.cell_m"], most)
         least = self._settings["cloud.min_points"]
         if len(placed) < least:
-            told = f"{len(placed)} of {least} between cloud.low and cloud.high"
-            return self._left_out("cloud with too few points", told)
+            message = f"{len(placed)} of {least} between cloud.low and cloud.high"
+            return self._left_out("cloud with too few points", message)
         return Seen(at_ns, placed, pose[:3])
 
-    def _left_out(self, reason: str, message: str) -> None:
+    def _left_out(self, reason: str, message: str) -> Seen | None:
         self._status.count(reason, message)
+        return None
 
     def _found(self, seen: Seen) -> bool:
         """Starts the session with the first cloud."""
@@ -368,7 +380,7 @@ class Tracker:
 
     def _held_at(self, at_ns: int) -> Array | None:
         """Positions of the control points [C, 3], if all are in grippers whose poses are known:
-        around the frame of their gripper as they are at rest. They tell one end of a cable from
+        arranged around the frame of their gripper as in the rest shape. They tell one end of a cable from
         the other, and where along it the grippers are."""
         geometry = self._link.twin().geometry()
         frame = self._settings["twin_frame"]

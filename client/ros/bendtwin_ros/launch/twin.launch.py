@@ -3,11 +3,12 @@
 ros2 launch bendtwin_ros twin.launch.py config:=mine.yaml cloud:=/camera/depth/color/points
 """
 
-from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -49,7 +49,7 @@ class PlanGoal:
 
 @dataclass
 class PlanResult:
-    """The best plan, or why there is none."""
+    """The best plan, or the reason why no plan was found."""
 
     ROS: ClassVar[str] = "bendtwin_msgs/action/PlanDeformable_Result"
     success: bool = False
