@@ -14,7 +14,6 @@ pytest.importorskip("pyarrow")
 from robot_recordings import (  # noqa: E402
     cameras_of,
     first,
-    simulated,
     states,
     write_lerobot,
     write_masks,
@@ -30,11 +29,10 @@ GRIPPER = EpisodeGripper(
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def made(filmed):
     """The first frames of a filmed rope, with its masks."""
-    folder = tmp_path_factory.mktemp("simulated")
-    cut = first(simulated(folder), 6)
-    write_masks(cut, folder / "masks")
+    cut = first(filmed, 6)
+    write_masks(cut, filmed.folder / "masks")
     return cut
 
 

@@ -10,7 +10,7 @@ pytest.importorskip("av")
 pytest.importorskip("mcap_ros2")
 from mcap.reader import make_reader
 from robot_mcap import write_mcap
-from robot_recordings import first, simulated
+from robot_recordings import first
 
 from bendtwin.captures.robots import EpisodeFault, McapGripper, from_mcap
 
@@ -20,12 +20,11 @@ GRIPPER = McapGripper(frame="tcp", joints=["finger"], width_scale=1.0)
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory):
+def recording(filmed):
     """Ten frames in which the robot waits, and six with the rope."""
-    folder = tmp_path_factory.mktemp("mcap")
-    made = first(simulated(folder), 6)
-    write_mcap(made, folder / "long.mcap", WAIT)
-    return made, folder / "long.mcap"
+    made, file = first(filmed, 6), filmed.folder / "long.mcap"
+    write_mcap(made, file, WAIT)
+    return made, file
 
 
 def topics(file):

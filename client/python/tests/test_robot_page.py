@@ -11,7 +11,7 @@ from server import needs_server, running
 
 pytest.importorskip("av")
 pytest.importorskip("pyarrow")
-from robot_recordings import simulated, write_lerobot, write_masks
+from robot_recordings import write_lerobot, write_masks
 
 PAGE = Path(__file__).parents[3] / "docs" / "use" / "robot-recordings.md"
 
@@ -21,9 +21,9 @@ pytestmark = [
 ]
 
 
-def test_an_episode_becomes_a_twin(tmp_path, monkeypatch, capsys):
+def test_an_episode_becomes_a_twin(filmed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    made = simulated(tmp_path)
+    made = filmed
     write_lerobot(made, tmp_path / "rope_dataset")
     write_masks(made, tmp_path / "masks")
     calibration = {}

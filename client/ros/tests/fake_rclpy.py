@@ -62,7 +62,7 @@ def transform_of(pose):
 
 class TransformListener:
     def __init__(self, buffer, node, *, spin_thread=False):
-        assert spin_thread, "a callback that waits for a transform would wait for itself"
+        assert not spin_thread, "it would add the node to an executor of its own thread, too"
 
 
 class StaticTransformBroadcaster:
@@ -153,7 +153,8 @@ class ActionServer:
         ActionServer.last = self
 
     def send(self, goal, cancel_after=None):
-        """How a goal ended, its result, and the feedback; `cancel_after` is the number of feedback messages after which it is cancelled."""
+        """How a goal ended, its result, and the feedback. It is cancelled after `cancel_after`
+        messages of feedback."""
         assert type(goal) is self.kind.Goal
         assert self._accepts(goal) == GoalResponse.ACCEPT
         handle = GoalHandle(self.kind, goal, cancel_after)

@@ -18,7 +18,7 @@ from bendtwin_ros.messages.scene import (
     PlanningSceneWorld,
     SolidPrimitive,
 )
-from bendtwin_ros.poses import applied, inverse, nanoseconds, of_pose, to_points
+from bendtwin_ros.poses import SECOND, applied, inverse, nanoseconds, of_pose, to_points
 from made_ros import CAMERA, Cable, cloud_at
 
 pytestmark = needs_server
@@ -167,7 +167,7 @@ def test_swept_hulls_contain_the_motion(node, cable):
     assert np.linalg.norm(near, axis=1).min() < 0.05
 
 
-def test_a_plan_is_cancelled_and_another_one_has_to_wait(node):
+def test_a_plan_is_cancelled_and_another_one_has_to_wait(node, cable):
     begun, go_on = threading.Event(), threading.Event()
 
     def wait(_):
@@ -182,6 +182,11 @@ def test_a_plan_is_cancelled_and_another_one_has_to_wait(node):
     thread.start()
     assert begun.wait(30)
     assert planned(node, goal_of(node))[0].reason == "BUSY"
+    # The twin follows meanwhile.
+    before = node.estimate
+    skin = cable.geometry.skin.positions(before.state.positions)
+    node.on_cloud(cloud_at(skin, before.at_ns + SECOND // 10), before.at_ns + SECOND // 10)
+    assert node.estimate.at_ns > before.at_ns
     go_on.set()
     thread.join(30)
     assert results[0].reason == "CANCELLED"

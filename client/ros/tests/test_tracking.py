@@ -8,10 +8,10 @@ from server import needs_server
 
 from bendtwin import Vary
 from bendtwin_ros.logic import TwinNode
-from bendtwin_ros.messages.basic import Header, JointState
+from bendtwin_ros.messages.basic import Header, JointState, Point, Pose, PoseStamped
 from bendtwin_ros.messages.own import RegisterRequest
 from bendtwin_ros.messages.shown import DiagnosticStatus, Marker
-from bendtwin_ros.poses import SECOND, time_of
+from bendtwin_ros.poses import SECOND, time_of, to_pose
 from made_ros import CAMERA, STEP, Cable, FakeFrames, cloud_at
 
 pytestmark = needs_server
@@ -156,6 +156,21 @@ def test_a_gripper_whose_pose_is_missing_keeps_its_last_one(start, cable, motion
     np.testing.assert_allclose(node.estimate.poses[0], left(gone - SECOND // 30), atol=0.01)
     status = verdict(node, sent, motion[2][-1])
     assert "gripper pose missing" in status.message
+
+
+def test_a_pose_may_come_by_a_topic_in_any_order(start, cable, motion):
+    node, _ = start(right__pose_topic="/right/pose")
+    skins, nodes, stamps = (part[:6] for part in motion)
+    frames = range(STEP * 5 + 1)
+    times = [stamps[0] + round(k * SECOND / cable.fps) for k in frames]
+    for at in [*times[1::2], *times[::2], times[0]]:
+        pose = to_pose(cable.right(at))
+        node.on_pose("right", PoseStamped(Header(time_of(at), "twin"), pose))
+    node.on_pose("right", PoseStamped(Header(time_of(times[3]), "twin"), Pose(Point(np.nan))))
+    errors = follow(node, cable, [skins, nodes, stamps])
+    assert errors[-1] < 8.0
+    np.testing.assert_allclose(node.estimate.poses[1], cable.right(stamps[-1]), atol=1e-6)
+    assert dict(node.status.counts) == {"gripper pose repeated": 1, "gripper pose invalid": 1}
 
 
 def test_a_gripper_that_opens_lets_go(start, cable, motion):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import enum
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TypeVar
 
 from bendtwin import BendTwinError, Category, Client, Session, Twin
@@ -148,7 +149,9 @@ class Link:
         """Forgets the session, so that the next one starts from another state."""
         session, self._session = self._session, None
         if session is not None and not self._is_lost:
-            self.run(session.close)
+            # It ends by itself if this call does not reach the server.
+            with suppress(Unavailable, BendTwinError):
+                self.run(session.close)
 
     def run(self, call: Callable[[], _Reply]) -> _Reply:
         """The reply of a call.

@@ -209,6 +209,9 @@ class TwinNode:
             self.status.count(f"call refused: {error.reason}", str(error))
         except ParameterFault as fault:
             self.status.count("parameter not possible", str(fault))
+        except ValueError as error:
+            # Found by the client before anything was sent.
+            self.status.count("call not possible", str(error))
 
     def _show(self, now_ns: int) -> None:
         """Publishes an estimate that is new, at most at `publish.rate_hz`."""

@@ -68,8 +68,9 @@ class BendTwinNode(Node):
         self.settings: Settings = self._declared()
         timeout_s = self.settings["transform_timeout_s"]
         self._buffer = Buffer()
-        # In its own thread, so that transforms come while a callback waits for them.
-        self._listener = TransformListener(self._buffer, self, spin_thread=True)
+        # Its callbacks run in other threads of the executor, so that transforms come while a
+        # callback waits for them.
+        self._listener = TransformListener(self._buffer, self)
         self._publishers_of: dict[str, Any] = {}
         frames = TfFrames(self._buffer, timeout_s)
         self.twin_node = logic.TwinNode(self.settings, frames, self._publish)

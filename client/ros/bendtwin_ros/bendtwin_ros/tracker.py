@@ -380,8 +380,8 @@ class Tracker:
 
     def _held_at(self, at_ns: int) -> Array | None:
         """Positions of the control points [C, 3], if all are in grippers whose poses are known:
-        arranged around the frame of their gripper as in the rest shape. They tell one end of a cable from
-        the other, and where along it the grippers are."""
+        arranged around the frame of their gripper as in the rest shape. They tell one end of a
+        cable from the other, and where along it the grippers are."""
         geometry = self._link.twin().geometry()
         frame = self._settings["twin_frame"]
         controls = np.full((len(geometry.controls), 3), np.nan)
