@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import socket
+
 import numpy as np
 import pytest
 from server import needs_server
@@ -175,6 +177,20 @@ def test_a_wrong_token_and_a_missing_file_of_it_are_told(server, cable, tmp_path
         assert node.status.needs_person, file
         assert node.status.down
         node.close()
+
+
+def test_a_server_that_does_not_answer_is_waited_for_with_a_deadline(monkeypatch):
+    from made_ros import settings
+
+    monkeypatch.setattr("bendtwin_ros.link._CALL_S", 0.3)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"127.0.0.1:{silent.getsockname()[1]}"
+        link = Link(settings(twin="twins/x", server__address=address), Status(), Clock())
+        with pytest.raises(Unavailable):
+            link.twin()
+    assert link._status.counts["call failed: DEADLINE_EXCEEDED"] == 1
+    assert not link._status.needs_person
+    link.close()
 
 
 @needs_server

@@ -27,6 +27,8 @@ _LONGEST_S = 10.0
 _PERSON_S = 15.0
 #: A session without calls for so long ends: clouds may stay away while a robot does other things.
 _IDLE_S = 3600.0
+#: Time limit of calls that have none of their own, seconds.
+_CALL_S = 10.0
 #: Slot that follows the object, and slot from which plans start.
 TRACKED, PLANNED = 0, 1
 
@@ -110,7 +112,7 @@ class Link:
             Unavailable: If it cannot be had now.
         """
         if self._twin is None:
-            self._twin = self.run(self._connect)
+            self._twin = self.run(self._found)
         return self._twin
 
     def open(self, start: InitialState) -> Session:
@@ -198,13 +200,19 @@ class Link:
             if client is not None:
                 client.close()
 
-    def _connect(self) -> Twin:
+    def _found(self) -> Twin:
+        """The twin, which has its geometry from now on."""
         if self._client is None:
             self._client = self._made_client()
-        wanted = self._settings["twin"]
+        twin = self._named(self._client)
+        twin.geometry()
+        return twin
+
+    def _named(self, client: Client) -> Twin:
+        wanted: str = self._settings["twin"]
         if wanted.startswith("twins/"):
-            return self._client.twin(wanted)
-        all_found = self._client.twins(search=wanted)
+            return client.twin(wanted)
+        all_found = client.twins(search=wanted)
         named = [twin for twin in all_found if twin.info.display_name == wanted]
         if len(named) != 1:
             found = ", ".join(t.name for t in named) or "none"
@@ -218,6 +226,7 @@ class Link:
                 self._settings["server.address"],
                 token_file=self._settings["server.token_file"] or None,
                 ca=self._settings["server.ca"] or None,
+                timeout_s=_CALL_S,
             )
         except (OSError, ValueError) as error:
             # A token file that is missing or readable by others, or a malformed address.

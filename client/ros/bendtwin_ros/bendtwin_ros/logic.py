@@ -133,7 +133,7 @@ class TwinNode:
             before = self.status.counts.copy()
             try:
                 found = self._tracker.register(request.cloud, request.near, now_ns)
-            except (Unavailable, BendTwinError, ParameterFault) as error:
+            except (Unavailable, BendTwinError, ValueError) as error:
                 return RegisterResponse(message=str(error))
             if found is None:
                 [reason] = self.status.counts - before or ["cloud left out"]
