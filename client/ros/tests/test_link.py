@@ -132,6 +132,28 @@ def test_a_lost_session_is_opened_again_where_it_was(server, cable):
 
 
 @needs_server
+def test_after_an_advance_with_an_unknown_effect_the_twin_is_where_it_was_last_seen(server, cable):
+    clock, motion = Clock(), cable.motion(8)
+    node = node_of(cable, server.address, clock)
+    for number in range(4):
+        arrive(node, cable, motion, number)
+    node._tracker._timeout_s = 1e-6
+    arrive(node, cable, motion, 4)
+    assert node.status.counts["call failed: DEADLINE_EXCEEDED"] == 1
+    node._tracker._timeout_s = 5.0
+    arrive(node, cable, motion, 5)
+    assert node.status.counts["server not available"] == 2
+    clock.now += 1.0
+    for number in range(6, 9):
+        arrive(node, cable, motion, number)
+    assert node.status.counts["session opened again"] == 1
+    assert node.estimate.at_ns == motion[2][-1]
+    away = np.linalg.norm(node.estimate.state.positions - motion[1][-1], axis=1)
+    assert away.mean() < 0.01
+    node.close()
+
+
+@needs_server
 def test_a_deleted_twin_is_told_and_followed_again_once_it_is_back(server, cable, tmp_path):
     (tmp_path / "other.twin").write_bytes(cable_file().encode())
     twin = server.client.import_twin(tmp_path / "other.twin")

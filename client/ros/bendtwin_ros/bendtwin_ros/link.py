@@ -25,8 +25,8 @@ _Reply = TypeVar("_Reply")
 _FIRST_S = 0.25
 _LONGEST_S = 10.0
 _PERSON_S = 15.0
-#: A session without calls for so long ends: clouds may stay away while a robot does other things.
-_IDLE_S = 3600.0
+#: A session without calls for this time ends; it is opened again when clouds return.
+_IDLE_S = 600.0
 #: Time limit of calls that have none of their own, seconds.
 _CALL_S = 10.0
 #: Slot that follows the object, and slot from which plans start.
@@ -50,6 +50,8 @@ class Trouble(enum.Enum):
     REQUEST = enum.auto()
 
 
+#: After these a call may have had its effect at the worker.
+_UNKNOWN_EFFECT = (Category.UNAVAILABLE, Category.DEADLINE_EXCEEDED)
 _PERSON = (Category.NOT_FOUND, Category.UNAUTHENTICATED, Category.PERMISSION_DENIED)
 
 
@@ -189,6 +191,9 @@ class Link:
             # Another one may be opened immediately.
             self._is_lost = True
             return
+        if error.category in _UNKNOWN_EFFECT and self._session is not None:
+            # The slot may have been advanced or not: the reopened one is where it was last seen.
+            self._is_lost = True
         pause = _PERSON_S if trouble is Trouble.PERSON else self._pause_s
         self._next = self._clock() + pause
         self._pause_s = min(2.0 * self._pause_s, _LONGEST_S)
