@@ -20,7 +20,7 @@ from robot_recordings import (  # noqa: E402
 )
 
 from bendtwin.captures.robots import EpisodeFault, EpisodeGripper, from_lerobot  # noqa: E402
-from bendtwin.captures.robots.episode import matrices, posed  # noqa: E402
+from bendtwin.captures.robots.episode import matrices, posed, rows  # noqa: E402
 
 pytestmark = needs_server
 GRIPPER = EpisodeGripper(
@@ -55,6 +55,11 @@ def images(folder, document):
     return found[0], found[1] * camera["depth"]["unit_m"] * 1e3
 
 
+def assert_same(found, true):
+    """Compares poses, whose quaternions have either sign."""
+    np.testing.assert_allclose(matrices("found", found), matrices("true", true), atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("version", "depth"),
     [("v3.0", "video"), ("v2.1", "video"), ("v3.0", "image"), ("v2.1", "array")],
@@ -76,7 +81,7 @@ def test_every_kind_of_dataset_has_the_same_images_and_poses(made, tmp_path, ver
     assert np.abs(depths - cut.cameras[0]["depth"])[known].max() <= within
     assert (depths[~known] == 0).all()
     poses = np.load(folder / "grippers" / "0_poses.npy")
-    np.testing.assert_allclose(poses, matrices("true", cut.poses), atol=1e-6)
+    assert_same(poses, cut.poses)
     np.testing.assert_allclose(np.load(folder / "grippers" / "0_widths.npy"), 0.02, atol=1e-6)
 
 
@@ -107,7 +112,7 @@ def test_a_part_of_an_episode_and_every_second_row(made, dataset, tmp_path):
     color, _ = images(folder, document)
     np.testing.assert_array_equal(color, made.cameras[0]["color"][1::2])
     poses = np.load(folder / "grippers" / "0_poses.npy")
-    np.testing.assert_allclose(poses[:, :3, 3], made.poses[1::2, :3], atol=1e-6)
+    assert_same(poses, made.poses[1::2])
     masks = sorted((folder / "cameras" / "0" / "object").iterdir())
     truth = sorted((made.folder / "masks" / "0").iterdir())[1::2]
     assert [m.read_bytes() for m in masks] == [t.read_bytes() for t in truth]
@@ -138,7 +143,7 @@ def test_poses_may_be_given_or_computed_in_the_frame_of_the_robot(made, dataset,
         out = tmp_path / str(i)
         from_lerobot(dataset, 1, out, cameras=cameras_of(made)[:1], grippers=[gripper])
         found = np.load(out / "grippers" / "0_poses.npy")
-        np.testing.assert_allclose(found, matrices("true", made.poses), atol=1e-6)
+        assert_same(found, made.poses)
         assert "widths" not in json.loads((out / "grippers.json").read_text())["grippers"][0]
 
 
@@ -157,6 +162,17 @@ def test_rotations_are_those_of_their_names():
     x, y, z = (posed("r", np.eye(6)[3 + k][None], "rotation_vector")[0] for k in range(3))
     all_three = posed("r", np.array([[0, 0, 0, 1.0, 1.0, 1.0]]), "roll_pitch_yaw")
     np.testing.assert_allclose(all_three[0], z @ y @ x, atol=1e-12)
+
+
+def test_poses_come_back_from_their_matrices_without_jumps():
+    turns = np.linspace(0.0, 4.0 * np.pi, 60)[:, None] * np.array([0.36, 0.48, 0.8])
+    placed = posed("r", np.concatenate([turns, turns], axis=1), "rotation_vector")
+    placed[7, 0, 0] = np.nan
+    found = rows(placed)
+    known = np.arange(60) != 7
+    np.testing.assert_allclose(matrices("m", found[known]), placed[known], atol=1e-9)
+    assert np.isnan(found[7, 3:]).all()
+    assert np.abs(np.diff(found[known, 3:], axis=0)).max() < 0.3
 
 
 def test_a_dataset_without_depth_is_refused_with_what_to_record(made, tmp_path):

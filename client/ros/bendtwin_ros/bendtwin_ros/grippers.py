@@ -109,17 +109,16 @@ class Gripper:
         for samples in self._widths.values():
             samples.forget()
 
-    def moved_to(self, frame: str, at_ns: int, frames: Frames, status: Status) -> Array | None:
-        """The pose [7] in a frame at a time, which becomes the last known one; otherwise that, or
-        None before the first."""
+    def moved_to(self, frame: str, at_ns: int, frames: Frames, status: Status) -> bool:
+        """Takes the pose in a frame at a time as the last known one; False if it is missing."""
         try:
             found = self._pose_at(frame, at_ns, frames)
         except MissingTransform as missing:
             status.count("gripper pose missing", f"{self.settings.name}: {missing}")
-            found = None
+            return False
         if found is not None:
             self.pose = found
-        return self.pose
+        return found is not None
 
     def _pose_at(self, frame: str, at_ns: int, frames: Frames) -> Array | None:
         if not self.settings.pose_topic:

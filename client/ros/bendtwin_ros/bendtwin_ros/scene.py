@@ -7,16 +7,20 @@ other one a thick box behind it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from bendtwin import Collider, ConvexMesh, Cuboid, Plane, Sphere, World
 from bendtwin_ros import hulls
 from bendtwin_ros.frames import Frames
+from bendtwin_ros.messages.basic import Pose
 from bendtwin_ros.messages.scene import CollisionObject, Mesh, PlanningScene, SolidPrimitive
 from bendtwin_ros.poses import IDENTITY, Array, applied, matrix, of_pose, points_of, product
+
+_Shape = TypeVar("_Shape")
 
 #: Sides of a prism for a cylinder: its hull has 92 triangles of at most 128.
 _SIDES = 24
@@ -140,15 +144,18 @@ def _solids(one: CollisionObject) -> Iterator[tuple[Sphere | Cuboid | ConvexMesh
             yield ConvexMesh(points), pose, beyond_m
 
 
-def _pairs(one: CollisionObject, shapes: list, poses: list) -> Iterator[tuple]:  # type: ignore[type-arg]
+def _pairs(
+    one: CollisionObject, shapes: Sequence[_Shape], poses: Sequence[Pose]
+) -> Iterator[tuple[_Shape, Array]]:
+    """Shapes with their poses in the object; without poses they are at its origin."""
     if poses and len(poses) != len(shapes):
         raise SceneFault(f"object {one.id!r} has {len(shapes)} shapes and {len(poses)} poses")
     for i, shape in enumerate(shapes):
         yield shape, _pose(one, poses[i]) if poses else IDENTITY
 
 
-def _pose(one: CollisionObject, message: object) -> Array:
-    pose = of_pose(message)  # type: ignore[arg-type]
+def _pose(one: CollisionObject, message: Pose) -> Array:
+    pose = of_pose(message)
     if pose is None:
         raise SceneFault(f"object {one.id!r} has an invalid pose: check its quaternion")
     return pose

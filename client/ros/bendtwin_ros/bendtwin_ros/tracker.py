@@ -253,17 +253,22 @@ class Tracker:
         frame = self._settings["twin_frame"]
         unseen = [gripper.pose is None for gripper in self._grippers]
         poses, holds = [self.hands.poses()], [self.hands.holds()]
+        # A look-up that fails has waited for its time limit: later times are not tried.
+        known = list(self._grippers)
         for at_ns in times[1:]:
-            for gripper in self._grippers:
-                gripper.moved_to(frame, at_ns, self._frames, self._status)
+            known = [
+                gripper
+                for gripper in known
+                if gripper.moved_to(frame, at_ns, self._frames, self._status)
+            ]
             holds.append([gripper.closes_at(at_ns) for gripper in self._grippers])
             poses.append(self.hands.poses())
         path = np.stack(poses)
         for i, was_unseen in enumerate(unseen):
             # From nowhere it has not moved: what it carries stays.
-            known = np.flatnonzero((path[:, i] != path[0, i]).any(axis=1))
-            if was_unseen and len(known):
-                path[: known[0], i] = path[known[0], i]
+            moved = np.flatnonzero((path[:, i] != path[0, i]).any(axis=1))
+            if was_unseen and len(moved):
+                path[: moved[0], i] = path[moved[0], i]
         result = self._link.run(lambda: self._rolled(session, path, holds))
         if result.diverged:
             self._status.count("diverged", "the motion of the grippers tore the twin")
@@ -386,8 +391,8 @@ class Tracker:
         frame = self._settings["twin_frame"]
         controls = np.full((len(geometry.controls), 3), np.nan)
         for gripper in self._grippers:
-            pose = gripper.moved_to(frame, at_ns, self._frames, self._status)
-            mine = geometry.hands == gripper.settings.hand
+            gripper.moved_to(frame, at_ns, self._frames, self._status)
+            mine, pose = geometry.hands == gripper.settings.hand, gripper.pose
             if pose is not None and gripper.closes_at(at_ns).hand and mine.any():
                 own = geometry.controls[mine]
                 controls[mine] = own - own.mean(axis=0) + pose[:3]

@@ -142,6 +142,31 @@ def posed(name: str, rows: Array, rotation: Rotation) -> Array:
     return placed
 
 
+def rows(placed: Array) -> Array:
+    """Poses [T, 7] of matrices [T, 4, 4], as rollouts take them; unknown ones are NaN."""
+    found = np.full((len(placed), 7), np.nan)
+    known = np.isfinite(placed).all(axis=(1, 2))
+    found[:, :3] = placed[:, :3, 3]
+    turns = placed[known, :3, :3]
+    # The quaternion is the eigenvector of the largest eigenvalue of a matrix of their elements.
+    (a, b, c), (d, e, f), (g, h, i) = np.moveaxis(turns, 0, -1)
+    elements = [
+        [a - e - i, d + b, g + c, h - f],
+        [d + b, e - a - i, h + f, c - g],
+        [g + c, h + f, i - a - e, d - b],
+        [h - f, c - g, d - b, a + e + i],
+    ]
+    _, vectors = np.linalg.eigh(np.moveaxis(np.array(elements), -1, 0))
+    quaternions = vectors[:, :, -1]
+    # Signs are chosen so that neighbours are near each other, and the first has w >= 0.
+    for k in range(len(quaternions)):
+        before = quaternions[k - 1] if k else np.array([0.0, 0.0, 0.0, 1.0])
+        if quaternions[k] @ before < 0.0:
+            quaternions[k] *= -1.0
+    found[known, 3:] = quaternions
+    return found
+
+
 def _of_vectors(vectors: Array) -> Array:
     angles = np.linalg.norm(vectors, axis=1, keepdims=True)
     # sin(a / 2) / a, also at 0.

@@ -28,6 +28,7 @@ from bendtwin.captures.robots.episode import (
     EpisodeGripper,
     matrices,
     posed,
+    rows,
 )
 from bendtwin.captures.robots.images import PngWriter
 
@@ -123,7 +124,7 @@ def _write(
             "pad": {"length_m": one.gripper.pad[0], "breadth_m": one.gripper.pad[1]},
         }
         (folder / "grippers").mkdir(exist_ok=True)
-        np.save(folder / entry["poses"], one.poses)
+        np.save(folder / entry["poses"], rows(one.poses))
         if one.widths is not None:
             entry["widths"] = f"grippers/{number}_widths.npy"
             np.save(folder / entry["widths"], one.widths)
@@ -144,8 +145,8 @@ def _made(gripper: EpisodeGripper, found: tables.Episode) -> _Made:
             )
         poses = posed(gripper.name, found.elements(given, elements), gripper.rotation)
     else:
-        rows = given(found.columns()) if callable(given) else found.rows_of("poses", given)
-        poses = matrices(f"poses of {gripper.name!r}", rows)
+        stated = given(found.columns()) if callable(given) else found.rows_of("poses", given)
+        poses = matrices(f"poses of {gripper.name!r}", stated)
         if len(poses) != len(found):
             raise EpisodeFault(f"gripper {gripper.name!r} has {len(poses)} poses, not {len(found)}")
     if gripper.base is not None:
