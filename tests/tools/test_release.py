@@ -53,6 +53,7 @@ class Release(unittest.TestCase):
             "c/package.json", '{\n  "name": "c",\n  "version": "0.1.0",\n  "type": "module"\n}\n'
         )
         self.write("c/package-lock.json", LOCK)
+        self.write("ros/package.xml", "<package>\n  <version>0.1.0</version>\n</package>\n")
         self.write("chart/Chart.yaml", 'name: e\nversion: 0.1.0\nappVersion: "0.1.0"\n')
         self.write("openapi.json", '{"info":{"title":"BendTwin","version":"0.1.0"}}')
         self.write("CHANGELOG.md", CHANGELOG)
@@ -113,6 +114,7 @@ class Release(unittest.TestCase):
         lock = json.loads(self.read("c/package-lock.json"))
         self.assertEqual((lock["version"], lock["packages"][""]["version"]), ("0.2.0", "0.2.0"))
         self.assertEqual(lock["packages"]["node_modules/d"]["version"], "0.1.0")
+        self.assertIn("<version>0.2.0</version>", self.read("ros/package.xml"))
         self.assertIn('version: 0.2.0\nappVersion: "0.2.0"', self.read("chart/Chart.yaml"))
         changelog = self.read("CHANGELOG.md")
         self.assertRegex(changelog, r"## Unreleased\n\n## 0\.2\.0 \(\d{4}-\d\d-\d\d\)\n\n### Twins")

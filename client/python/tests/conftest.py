@@ -23,6 +23,14 @@ def rope(tmp_path_factory):
         yield rope
 
 
+@pytest.fixture(scope="session")
+def filmed(tmp_path_factory):
+    """A simulated recording of a robot that lifts a rope."""
+    from robot_recordings import simulated
+
+    return simulated(tmp_path_factory.mktemp("filmed"))
+
+
 @pytest.fixture
 def fake():
     return Fake()

@@ -1,4 +1,6 @@
+import asyncio
 import json
+import socket
 import zipfile
 from io import BytesIO
 
@@ -15,6 +17,7 @@ from bendtwin import (
     JobState,
     Motion,
     Requirements,
+    aio,
 )
 from bendtwin.labels import texts
 from bendtwin.v1 import job_pb2
@@ -260,3 +263,18 @@ def test_the_trash_is_listed_and_restored_from(client, fake):
     assert client.restore_fit("fits/0").name == "fits/0"
     assert client.restore_twin("twins/0").name == "twins/0"
     assert fake.restored.name == "twins/0"
+
+
+def test_a_client_may_have_a_deadline_for_all_calls():
+    async def waiting(address):
+        async with aio.Client(address, timeout_s=0.2) as client:
+            await client.twin("twins/x")
+
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"127.0.0.1:{silent.getsockname()[1]}"
+        with Client(address, timeout_s=0.2) as client, pytest.raises(BendTwinError) as late:
+            client.twin("twins/x")
+        assert late.value.category is Category.DEADLINE_EXCEEDED
+        with pytest.raises(BendTwinError) as late:
+            asyncio.run(waiting(address))
+        assert late.value.category is Category.DEADLINE_EXCEEDED

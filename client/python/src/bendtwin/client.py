@@ -64,6 +64,9 @@ class Client:
 
     For `https://host:port`, `ca` is the file with the certificate of the server's authority (PEM).
     The default is the file named in `BENDTWIN_CA`, or the authorities of the system.
+
+    `timeout_s` is the deadline of calls that get none themselves, except those that answer in
+    parts: without it they wait for a server that does not answer.
     """
 
     def __init__(
@@ -73,13 +76,14 @@ class Client:
         token: str | None = None,
         token_file: str | PathLike[str] | None = None,
         ca: str | PathLike[str] | None = None,
+        timeout_s: float | None = None,
     ) -> None:
         self._transport = transport(address, ca)
         self._address = self._transport.target
         is_https = self._transport.is_https
         self._url = f"{'https' if is_https else 'http'}://{self._address}"
         self._token = shown_token(self._address, token, token_file, is_https)
-        self._caller = Caller(self._transport, self._token)
+        self._caller = Caller(self._transport, self._token, timeout_s)
 
     def __enter__(self) -> Client:
         return self

@@ -30,7 +30,11 @@ _Packer = Callable[[Path], AbstractContextManager[Path]]
 class Caller:
     """Calls that return when they are answered."""
 
-    def __init__(self, server: Transport, token: str | None) -> None:
+    def __init__(
+        self, server: Transport, token: str | None, timeout_s: float | None = None
+    ) -> None:
+        #: Deadline of calls that get none themselves.
+        self._timeout_s = timeout_s
         target, options = server.target, calls.CHANNEL_OPTIONS
         if server.is_https:
             self._channel = grpc.secure_channel(target, server.credentials(), options=options)
@@ -44,8 +48,9 @@ class Caller:
 
     def run(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read:
         """The answer to a call."""
+        deadline_s = self._timeout_s if timeout_s is None else timeout_s
         with translated():
-            reply = call.method(self._services)(call.request, timeout=timeout_s)
+            reply = call.method(self._services)(call.request, timeout=deadline_s)
         return call.read(reply)
 
     def parts(self, call: calls.Call[_Read], timeout_s: float | None = None) -> Iterator[_Read]:
@@ -143,7 +148,11 @@ class Caller:
 class AsyncCaller:
     """The same calls, to be awaited."""
 
-    def __init__(self, server: Transport, token: str | None) -> None:
+    def __init__(
+        self, server: Transport, token: str | None, timeout_s: float | None = None
+    ) -> None:
+        #: Deadline of calls that get none themselves.
+        self._timeout_s = timeout_s
         target, options = server.target, calls.CHANNEL_OPTIONS
         shown = aio_interceptors(token)
         if server.is_https:
@@ -160,8 +169,9 @@ class AsyncCaller:
 
     async def run(self, call: calls.Call[_Read], timeout_s: float | None = None) -> _Read:
         """The answer to a call."""
+        deadline_s = self._timeout_s if timeout_s is None else timeout_s
         with translated():
-            reply = await call.method(self._services)(call.request, timeout=timeout_s)
+            reply = await call.method(self._services)(call.request, timeout=deadline_s)
         return call.read(reply)
 
     async def parts(
