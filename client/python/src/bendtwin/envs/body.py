@@ -208,17 +208,22 @@ class Body:
             controls=tiled(state.controls),
         )
 
-    def _width(self) -> Array:
-        """Distances [N] of the nodes from the object's own line, through means of its stretches,
-        metres."""
+    @cached_property
+    def _line(self) -> tuple[Indices, Array]:
+        """The stretch of the object in which each node is [N], and the means of stretches [S, 3]."""
         stretch = np.clip((self.along * _STRETCHES).astype(int), 0, _STRETCHES - 1)
         filled = np.unique(stretch)
         means = np.array([self.positions[stretch == one].mean(axis=0) for one in filled])
-        if len(filled) < 2:
+        return np.searchsorted(filled, stretch), means
+
+    def _width(self) -> Array:
+        """Distances [N] of the nodes from the object's own line, through means of its stretches,
+        metres."""
+        row, means = self._line
+        if len(means) < 2:
             return np.asarray(np.linalg.norm(self.positions - means[0], axis=1))
         ways = np.gradient(means, axis=0)
         ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
-        row = np.searchsorted(filled, stretch)
         arms = self.positions - means[row]
         beside = arms - np.einsum("ni,ni->n", arms, ways[row])[:, None] * ways[row]
         return np.asarray(np.linalg.norm(beside, axis=1))

@@ -19,13 +19,15 @@ from bendtwin.envs.tasks.task import (
     stay,
     upright,
 )
+from bendtwin.planners import rotations
 from bendtwin.simulation.world import Sphere
 
 
 class Fold(Task):
-    """A gripper takes the tip, lifts it over the object and lays it on the other end."""
+    """One gripper takes the tip and lays it on the other end, which another gripper may hold."""
 
     name = "Fold"
+    grippers = 2
     #: Where the other end lay at first.
     goal_size = 3
     horizon_s = 6.0
@@ -38,6 +40,7 @@ class Fold(Task):
         self.track("tip", body.end())
         self.track("end", body.end(tip=False))
         self.track("place", body.place(0.0))
+        self.track("held", body.place(1.0))
 
     @property
     def instruction(self) -> str:
@@ -52,8 +55,8 @@ class Fold(Task):
         return Draw(drawn.offset_m, drawn.yaw, nodes.mean(axis=0), drawn.grippers)
 
     def places(self, points: Array) -> Array:
-        """The nodes around the tip."""
-        return self.middle(points, "place")[:, None]
+        """The nodes around both ends."""
+        return np.stack([self.middle(points, "place"), self.middle(points, "held")], axis=1)
 
     def judge(self, view: View) -> Judgement:
         """The ends are together where the other end lay."""
@@ -64,22 +67,35 @@ class Fold(Task):
         return Judgement(self.shaped(self.reach_m(view), left), success)
 
     def script(self, view: View) -> Sequence[Waypoint]:
-        """In an arc over the middle."""
+        """In an arc over the middle, turning with the object, while the other end is held."""
         places, length = self.places(view.points), self.body.length_m
-        arm = view.grippers[:, 0, :3] - self.middle(view.points, "tip")
-        end = self.middle(view.points, "end")
-        lift = np.array([0.0, 0.0, 0.35 * length])
-        down = np.array([0.0, 0.0, 0.5 * self.body.height_m])
-        half = view.grippers[:, 0, :3] + 0.5 * (end - self.middle(view.points, "tip"))
-        half[:, 2] = self.body.ground_m + lift[2]
+        tip, end = self.middle(view.points, "tip"), self.middle(view.points, "end")
+        level = (end - tip) * [1.0, 1.0, 0.0]
+        level /= np.maximum(np.sqrt((level**2).sum(axis=-1, keepdims=True)), 1e-9)
+        across = np.stack([-level[:, 1], level[:, 0], np.zeros(len(level))], axis=-1)
+        grip = view.grippers[:, 0]
+        arm = rotations.rotated(rotations.conjugate(grip[:, 3:]), grip[:, :3] - tip)
+        middle = 0.5 * (self.middle(view.points, "place") + end)
+        middle[:, 2] = self.body.ground_m
+
+        def over(place: Array, height: float, angle: float) -> Array:
+            turn = rotations.exponential(angle * across)
+            at = place + rotations.rotated(turn, arm) + [0.0, 0.0, height]
+            poses = stay(view.grippers)
+            poses[:, 0] = np.concatenate([at, turn], axis=-1)
+            return poses
+
+        down = stay(view.grippers)
+        down[:, 0] = grip
+        down[:, 0, 2] -= 0.3 * length
         return [
-            Waypoint(self.above(places, 0.1), flags(False)),
-            Waypoint(upright(places), flags(False)),
-            Waypoint(stay(view.grippers), flags(True)),
-            Waypoint(self.above(view.grippers[..., :3], 0.2), flags(True)),
-            Waypoint(upright(half[:, None]), flags(True)),
-            Waypoint(upright((end + arm + lift)[:, None]), flags(True)),
-            Waypoint(upright((end + arm + down)[:, None]), flags(True)),
+            Waypoint(self.above(places, 0.1), flags(False, False)),
+            Waypoint(upright(places), flags(False, False)),
+            Waypoint(stay(view.grippers), flags(True, True)),
+            Waypoint(over(tip, 0.15 * length, 0.25 * np.pi), flags(True, True)),
+            Waypoint(over(middle, 0.4 * length, 0.5 * np.pi), flags(True, True)),
+            Waypoint(over(end, 0.2 * length, np.pi), flags(True, True)),
+            Waypoint(down, flags(True, True)),
         ]
 
     def markers(self) -> Sequence[Marker]:

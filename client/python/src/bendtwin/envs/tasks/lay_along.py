@@ -19,6 +19,7 @@ from bendtwin.envs.tasks.task import (
     stay,
     upright,
 )
+from bendtwin.planners import rotations
 from bendtwin.simulation.world import Sphere
 
 #: Nodes that are judged, and balls that show the line.
@@ -65,7 +66,7 @@ class LayAlong(Task):
         chord = self.body.positions[self.body.place(0.0)].mean(axis=0)
         chord = (chord - self.body.positions[self.body.place(1.0)].mean(axis=0))[:2]
         angle = np.arctan2(chord[1], chord[0]) + yaw + random.uniform(-1.0, 1.0)
-        half = 0.49 * length * np.array([np.cos(angle), np.sin(angle)])
+        half = 0.5 * length * np.array([np.cos(angle), np.sin(angle)])
         height = [self.body.ground_m + 0.5 * self.body.height_m]
         drawn = self.drawn(random, np.concatenate([at + half, height, at - half, height]))
         return Draw(drawn.offset_m, float(yaw), drawn.goal, drawn.grippers)
@@ -88,12 +89,20 @@ class LayAlong(Task):
         goals = _on(view.goals, np.array(self._taken))
         goals = goals.copy()
         goals[..., 2] = np.maximum(goals[..., 2], self.body.ground_m + 0.5 * self.body.height_m)
+        # Grippers turn with the object, which would twist otherwise.
+        chord, line = places[:, 0] - places[:, 1], view.goals[:, :3] - view.goals[:, 3:]
+        angle = np.arctan2(line[:, 1], line[:, 0]) - np.arctan2(chord[:, 1], chord[:, 0])
+        spin = np.zeros((len(angle), 1, 3))
+        spin[:, 0, 2] = (angle + np.pi) % (2.0 * np.pi) - np.pi
+        turned = rotations.product(rotations.exponential(spin), view.grippers[..., 3:])
+        high, low = self.above(goals, 0.12), upright(goals)
+        high[..., 3:], low[..., 3:] = turned, turned
         return [
             Waypoint(self.above(places, 0.1), flags(False, False)),
             Waypoint(upright(places), flags(False, False)),
             Waypoint(stay(view.grippers), flags(True, True)),
-            Waypoint(self.above(goals, 0.12), flags(True, True)),
-            Waypoint(upright(goals), flags(True, True)),
+            Waypoint(high, flags(True, True)),
+            Waypoint(low, flags(True, True)),
             Waypoint(stay(view.grippers), flags(False, False)),
         ]
 
