@@ -29,7 +29,7 @@ _AXIS = np.array([1.0, 0.0, 0.0])
 
 
 class InsertEnd(Task):
-    """A gripper takes a cable behind its tip and brings the tip into a level tube."""
+    """A gripper takes a cable by its tip and brings the tip into a level tube."""
 
     name = "InsertEnd"
     goal_size = 3
@@ -52,7 +52,7 @@ class InsertEnd(Task):
         self.colliders = _tube(self.opening, self.radius_m, self.depth_m)
         order = np.argsort(body.along, kind="stable")
         self.track("tip", order[:1])
-        self.track("place", order[1:3])
+        self.track("place", order[:2])
 
     @property
     def instruction(self) -> str:
@@ -61,13 +61,14 @@ class InsertEnd(Task):
 
     def draw(self, random: np.random.Generator) -> Draw:
         """The tube stands still; the tip points at it to within 40 degrees."""
-        tip, place = (self.body.positions[nodes].mean(axis=0) for nodes in self._nodes)
+        order = self.nodes
+        tip, place = self.body.positions[order[0]], self.body.positions[order[-1]]
         lies = np.arctan2(tip[1] - place[1], tip[0] - place[0])
         drawn = self.drawn(random, self.opening + 0.5 * self.depth_m * _AXIS)
         return Draw(drawn.offset_m, float(random.uniform(-0.7, 0.7) - lies), drawn.goal, drawn.grippers)
 
     def places(self, points: Array) -> Array:
-        """The two nodes behind the tip."""
+        """The two nodes at the tip."""
         return self.middle(points, "place")[:, None]
 
     def judge(self, view: View) -> Judgement:
@@ -102,7 +103,7 @@ class InsertEnd(Task):
             Waypoint(with_tip(before - 0.2 * self.body.length_m), flags(True)),
             Waypoint(with_tip(before), flags(True)),
             Waypoint(with_tip(before), flags(True)),
-            Waypoint(with_tip(0.6 * self.depth_m), flags(True)),
+            Waypoint(with_tip(0.4 * self.depth_m), flags(True)),
         ]
 
     def markers(self) -> Sequence[Marker]:

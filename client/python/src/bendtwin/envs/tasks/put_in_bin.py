@@ -58,10 +58,11 @@ class PutInBin(Task):
         return self.middle(points, "place")[:, None]
 
     def judge(self, view: View) -> Judgement:
-        """All nodes are within the walls, and the gripper is open."""
-        nodes = self.points(view.points, "all")
+        """All nodes are within the walls, not much higher than these, and the gripper is open."""
+        nodes, length = self.points(view.points, "all"), self.body.length_m
         beside = np.abs(nodes[..., :2] - view.goals[:, None, :2]) - self.half_m
-        above = nodes[..., 2] - (view.goals[:, None, 2] + max(self.walls_m, self.body.height_m))
+        highest = self.walls_m + max(self.body.height_m, 0.2 * length)
+        above = nodes[..., 2] - (view.goals[:, None, 2] + highest)
         outside = np.maximum(np.maximum(beside.max(axis=-1), above), 0.0)
         left = distance(nodes.mean(axis=1), view.goals)
         success = (outside.max(axis=1) <= 0.0) & ~view.closed.any(axis=1)
