@@ -6,25 +6,30 @@ import time
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 
 from bendtwin import Client
 from bendtwin.envs import RandomPolicy, ScriptedPolicy, evaluate, make
 
 TASK = sys.argv[1] if len(sys.argv) > 1 else "MoveTip"
-SLOTS, BATCHES, EPOCHS = 32, 4, 150
+SLOTS, BATCHES, EPOCHS = 32, 4, 120
+#: Distances that a network is to tell apart far from the object and near it, metres.
+FAR_M, NEAR_M = 0.1, 0.01
 
 
 def features(observed):
-    """One vector by observation: the grippers, and all points as seen from the first of them."""
-    agent = observed["agent_pos"]
-    points = [observed["keypoints"], observed["goal"].reshape(len(agent), -1, 3)]
-    seen = np.concatenate(points, axis=1) - agent[:, None, :3]
-    return np.concatenate([agent, 10.0 * seen.reshape(len(agent), -1)], axis=1)
+    """One vector by observation: the grippers, and all points as seen from each of them."""
+    grippers = observed["agent_pos"].reshape(len(observed["agent_pos"]), -1, 8)
+    goal = observed["goal"].reshape(len(grippers), -1, 3)
+    points = np.concatenate([observed["keypoints"], goal], axis=1)
+    apart = (points[:, None] - grippers[:, :, None, :3]).reshape(*grippers.shape[:2], -1)
+    parts = [grippers, apart / FAR_M, np.tanh(apart / NEAR_M)]
+    return np.concatenate(parts, axis=2).reshape(len(grippers), -1)
 
 
 def demonstrations(env):
     """Features and actions of successful episodes, disturbed so that they show ways back."""
-    expert = ScriptedPolicy(env, noise=0.3)
+    expert = ScriptedPolicy(env, noise=0.4)
     inputs, outputs = [], []
     for batch in range(BATCHES):
         observed, _ = env.reset(seed=10_000 + batch * SLOTS)
@@ -45,6 +50,7 @@ def demonstrations(env):
 def trained(inputs, outputs):
     """A network from features to actions."""
     torch.manual_seed(0)
+    torch.set_num_threads(1)
     network = torch.nn.Sequential(
         torch.nn.Linear(inputs.shape[1], 256),
         torch.nn.ReLU(),
@@ -53,13 +59,16 @@ def trained(inputs, outputs):
         torch.nn.Linear(256, outputs.shape[1]),
     )
     x, y = torch.from_numpy(inputs), torch.from_numpy(outputs)
+    is_opening = torch.arange(y.shape[1]) % 7 == 6
     optimizer = torch.optim.Adam(network.parameters(), lr=1e-3)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, EPOCHS)
     for _ in range(EPOCHS):
-        for rows in torch.randperm(len(x)).split(256):
+        for rows in torch.randperm(len(x)).split(128):
             optimizer.zero_grad()
-            loss = torch.nn.functional.smooth_l1_loss(network(x[rows]), y[rows], beta=0.1)
-            loss.backward()
+            given, wanted = network(x[rows]), y[rows]
+            moved = F.smooth_l1_loss(given[:, ~is_opening], wanted[:, ~is_opening], beta=0.1)
+            opened = F.soft_margin_loss(given[:, is_opening], wanted[:, is_opening])
+            (moved + opened).backward()
             optimizer.step()
         schedule.step()
     return network

@@ -12,9 +12,9 @@ from bendtwin.envs.observations import Observed
 from bendtwin.envs.vector_env import TwinVectorEnv
 
 #: A waypoint is reached at this distance, in largest steps, or after this many steps.
-_NEAR, _PATIENCE = 0.15, 12
+_NEAR, _PATIENCE = 0.3, 12
 #: Steps that a gripper waits where it closes or opens.
-_WAIT = 2
+_WAIT = 1
 
 
 class Policy(Protocol):
@@ -39,8 +39,9 @@ class RandomPolicy:
 class ScriptedPolicy:
     """The script of the environment's task, which sees the state and not the observation.
 
-    `noise` is the standard deviation of what is added to all but the openings, as demonstrations
-    need it that are to show the way back to the script.
+    Demonstrations that are to show the way back to the script need disturbances: `noise` is their
+    standard deviation in parts of the largest coordinate of a gripper's change, so that they are
+    small where precision matters. Openings are not disturbed.
     """
 
     def __init__(self, env: TwinVectorEnv, *, noise: float = 0.0, seed: int = 0) -> None:
@@ -73,9 +74,10 @@ class ScriptedPolicy:
         self.clean: npt.NDArray[np.float32] = env.actions_towards(self._goals, closed)
         if not self._noise:
             return self.clean
-        noise = self._random.normal(0.0, self._noise, self.clean.shape).astype(np.float32)
-        noise.reshape(len(noise), -1, 7)[..., 6] = 0.0
-        return np.clip(self.clean + noise, -1.0, 1.0)
+        changes = self.clean.reshape(len(self.clean), -1, 7).copy()
+        noise = self._random.normal(0.0, self._noise, (*changes.shape[:2], 6))
+        changes[..., :6] += noise * np.abs(changes[..., :6]).max(axis=-1, keepdims=True)
+        return np.clip(changes, -1.0, 1.0).reshape(self.clean.shape)
 
     def _done(self, poses: Array) -> npt.NDArray[np.bool_]:
         """Slots that have reached their waypoints."""
