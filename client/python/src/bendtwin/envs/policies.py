@@ -11,8 +11,8 @@ from bendtwin.envs.body import Array
 from bendtwin.envs.observations import Observed
 from bendtwin.envs.vector_env import TwinVectorEnv
 
-#: A waypoint is reached at this distance, in largest steps, or after this many steps.
-_NEAR, _PATIENCE = 0.3, 12
+#: Steps after which a script goes on although a waypoint is not reached.
+_PATIENCE = 12
 #: Steps that a gripper waits where it closes or opens.
 _WAIT = 1
 
@@ -63,6 +63,7 @@ class ScriptedPolicy:
         nexts = np.minimum(self._stage + 1, len(way) - 1)
         moving = (self._stage < 0) | (done & (self._stage < len(way) - 1))
         stays = np.array([bool(np.isnan(point.poses).all()) for point in way])
+        near = np.array([point.near for point in way])
         for slot in np.flatnonzero(moving).tolist():
             self._stage[slot] = nexts[slot]
             self._since[slot] = 0
@@ -70,7 +71,7 @@ class ScriptedPolicy:
             self._goals[slot] = np.where(np.isnan(poses), view.grippers[slot], poses)
         closed = np.array([way[stage].closed for stage in self._stage])
         self._since += 1
-        self._stays = stays[self._stage]
+        self._stays, self._near = stays[self._stage], near[self._stage]
         self.clean: npt.NDArray[np.float32] = env.actions_towards(self._goals, closed)
         if not self._noise:
             return self.clean
@@ -87,7 +88,7 @@ class ScriptedPolicy:
         apart = np.abs(poses[..., :3] - self._goals[..., :3]).max(axis=(1, 2)) / largest[0]
         facing = np.abs((poses[..., 3:] * self._goals[..., 3:]).sum(axis=-1)).min(axis=1)
         turned = 2.0 * np.arccos(np.clip(facing, 0.0, 1.0)) / largest[3]
-        near = (apart < _NEAR) & (turned < 2 * _NEAR)
+        near = (apart < self._near) & (turned < 2 * self._near)
         waited = np.where(self._stays, self._since >= _WAIT, near)
         return np.asarray(waited | (self._since >= _PATIENCE))
 

@@ -40,7 +40,7 @@ def list_tasks() -> list[str]:
 
 def make(
     task: str | type[Task],
-    twin: Twin,
+    twin: Twin | str,
     num_envs: int = 1,
     *,
     task_options: Mapping[str, Any] | None = None,

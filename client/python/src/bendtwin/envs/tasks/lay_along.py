@@ -102,7 +102,7 @@ class LayAlong(Task):
             Waypoint(upright(places), flags(False, False)),
             Waypoint(stay(view.grippers), flags(True, True)),
             Waypoint(high, flags(True, True)),
-            Waypoint(low, flags(True, True)),
+            Waypoint(low, flags(True, True), near=0.1),
             Waypoint(stay(view.grippers), flags(False, False)),
         ]
 

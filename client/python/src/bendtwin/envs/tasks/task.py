@@ -70,6 +70,8 @@ class Waypoint:
     poses: Array
     #: Whether the grippers are closed there, [G].
     closed: Mask
+    #: Distance at which it is reached, in largest steps.
+    near: float = 0.3
 
 
 class Task(ABC):
