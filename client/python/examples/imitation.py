@@ -3,13 +3,17 @@
 import os
 import sys
 import time
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import torch
 import torch.nn.functional as F
 
 from bendtwin import Client
-from bendtwin.envs import RandomPolicy, ScriptedPolicy, evaluate, make
+from bendtwin.envs import RandomPolicy, ScriptedPolicy, TwinVectorEnv, evaluate, make
+
+Array = npt.NDArray[np.float32]
 
 TASK = sys.argv[1] if len(sys.argv) > 1 else "MoveTip"
 SLOTS, BATCHES, EPOCHS = 32, 4, 120
@@ -17,7 +21,7 @@ SLOTS, BATCHES, EPOCHS = 32, 4, 120
 FAR_M, NEAR_M = 0.1, 0.01
 
 
-def features(observed):
+def features(observed: dict[str, Any]) -> Array:
     """One vector by observation: the grippers, and all points as seen from each of them."""
     grippers = observed["agent_pos"].reshape(len(observed["agent_pos"]), -1, 8)
     goal = observed["goal"].reshape(len(grippers), -1, 3)
@@ -27,7 +31,7 @@ def features(observed):
     return np.concatenate(parts, axis=2).reshape(len(grippers), -1)
 
 
-def demonstrations(env):
+def demonstrations(env: TwinVectorEnv) -> tuple[Array, Array]:
     """Features and actions of successful episodes, disturbed so that they show ways back."""
     expert = ScriptedPolicy(env, noise=0.4)
     inputs, outputs = [], []
@@ -47,7 +51,7 @@ def demonstrations(env):
     return np.concatenate(inputs), np.concatenate(outputs)
 
 
-def trained(inputs, outputs):
+def trained(inputs: Array, outputs: Array) -> Any:
     """A network from features to actions."""
     torch.manual_seed(0)
     torch.set_num_threads(1)
@@ -84,10 +88,10 @@ with Client(os.environ.get("BENDTWIN_SERVER", "http://127.0.0.1:7070")) as clien
     network = trained(inputs, outputs)
     print(f"trained in {time.monotonic() - begin:.0f} s")
 
-    @torch.inference_mode()
-    def imitation(observed):
+    def imitation(observed: dict[str, Any]) -> Any:
         """Actions of the network."""
-        return network(torch.from_numpy(features(observed))).numpy()
+        with torch.inference_mode():
+            return network(torch.from_numpy(features(observed))).numpy()
 
     policies = {
         "random": RandomPolicy(env),

@@ -21,8 +21,8 @@ from bendtwin.envs import (  # noqa: E402
     Camera,
     Observations,
     PointCloud,
-    RandomPolicy,
     Randomisation,
+    RandomPolicy,
     ScriptedPolicy,
     Unsuitable,
     evaluate,
@@ -323,7 +323,7 @@ def test_gymnasium_makes_and_checks_them(objects, recwarn):
     check_env(single.unwrapped, skip_render_check=True)
     assert not [w for w in recwarn if "infinity" not in str(w.message) and is_ours(w)]
     single.reset(seed=0)
-    _, reward, terminated, truncated, info = single.step(single.action_space.sample())
+    _, reward, _, _, info = single.step(single.action_space.sample())
     assert isinstance(reward, float)
     assert info["is_success"] is False
     single.close()

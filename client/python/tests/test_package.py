@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.planners"]
+pytest.importorskip("gymnasium")
+
+MODULES = ["bendtwin", "bendtwin.aio", "bendtwin.envs", "bendtwin.planners"]
 
 
 def test_the_public_names_are_these():

@@ -74,9 +74,7 @@ class Mover:
 
     def __init__(self, actions: Actions, body: Body, grippers: int, workspace: Workspace) -> None:
         self.settings, self.grippers, self.workspace = actions, grippers, workspace
-        self.frames: int = actions.frames or max(
-            actions.knots, round(body.geometry.fps / _STEPS_S)
-        )
+        self.frames: int = actions.frames or max(actions.knots, round(body.geometry.fps / _STEPS_S))
         translation = actions.translation_m
         if translation is None:
             translation = _TRANSLATION * body.length_m
@@ -91,7 +89,7 @@ class Mover:
         given = np.clip(np.asarray(actions, np.float64), -1.0, 1.0)
         given = given.reshape(len(poses), self.settings.knots, self.grippers, PER_GRIPPER)
         changes = given[..., :6] * self.largest
-        way = [np.asarray(poses, np.float64)]
+        way: list[Array] = [np.asarray(poses, np.float64)]
         for knot in range(self.settings.knots):
             way.append(self._changed(way[-1], changes[:, knot]))
         closed = given[..., 6] < 0.0

@@ -4,8 +4,9 @@ python -m bendtwin.envs.benchmark --twin object.twin --envs 64
 python -m bendtwin.envs.benchmark --server http://127.0.0.1:7070 --twin twins/... --pictures 96
 
 Without `--server` it starts one in a temporary folder, with the program of `--bin`; without
-`--twin` it makes the recording of a scene and fits a draft of it. A step is a frame of the twin unless `--frames` says otherwise. Actions
-are random; episodes that end begin again, which counts as part of their steps.
+`--twin` it makes the recording of a scene and fits a draft of it. A step is a frame of the twin
+unless `--frames` says otherwise. Actions are random; episodes that end begin again, which counts as
+part of their steps.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ def main(arguments: list[str] | None = None) -> None:
     """Measures, and prints a line, or JSON."""
     given = _parser().parse_args(arguments)
     with ExitStack() as stack:
-        server = given.server or stack.enter_context(_server(_program(given.bin), given.server_options))
+        server = given.server or stack.enter_context(
+            _server(_program(given.bin), given.server_options)
+        )
         client = stack.enter_context(Client(server))
         twin = _twin(client, given)
         cameras = ["front", "side", "top"][: given.cameras] if given.pictures else []
@@ -67,21 +70,25 @@ def main(arguments: list[str] | None = None) -> None:
             "nodes": len(geometry.rest_positions),
             "substeps": geometry.substeps,
             "frames": given.frames,
-            "pictures": f"{len(cameras)} x {given.pictures} x {given.pictures}" if cameras else "none",
+            "pictures": f"{len(cameras)} x {given.pictures} x {given.pictures}"
+            if cameras
+            else "none",
         }
     print(json.dumps(measured) if given.json else _line(measured))
     if profile is not None:
         pstats.Stats(profile).sort_stats("cumulative").print_stats(25)
 
 
-def measure(env: TwinVectorEnv, seconds: float, profile: cProfile.Profile | None = None) -> dict[str, Any]:
+def measure(
+    env: TwinVectorEnv, seconds: float, profile: cProfile.Profile | None = None
+) -> dict[str, Any]:
     """Steps environments for a time, after a few steps that do not count."""
     env.reset(seed=0)
     env.action_space.seed(0)
     actions = [env.action_space.sample() for _ in range(16)]
     for i in range(3):
         env.step(actions[i])
-    times = []
+    times: list[float] = []
     if profile is not None:
         profile.enable()
     begin = time.perf_counter()
@@ -104,8 +111,8 @@ def _line(measured: dict[str, Any]) -> str:
     return (
         f"{measured['steps_per_s']:.0f} steps/s: {measured['envs']} environments of "
         f"{measured['task']}, {measured['nodes']} nodes, {measured['substeps']} substeps, "
-        f"{measured['frames']} frames a step, pictures: {measured['pictures']}; a step of all takes "
-        f"{measured['step_ms']:.2f} ms (median), {measured['p99_ms']:.2f} ms (p99)"
+        f"{measured['frames']} frames a step, pictures: {measured['pictures']}; a step of all "
+        f"takes {measured['step_ms']:.2f} ms (median), {measured['p99_ms']:.2f} ms (p99)"
     )
 
 
@@ -131,7 +138,7 @@ def _server(program: str, options: str) -> Iterator[str]:
 
 
 def _twin(client: Client, given: argparse.Namespace) -> Twin:
-    """The twin of a file or of the server, or the draft of a simulated recording."""
+    """The twin of a file or of the server, or a draft of a simulated recording."""
     if given.twin is not None and Path(given.twin).is_file():
         return client.import_twin(given.twin)
     if given.twin is not None:
@@ -164,7 +171,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--scene", default="toy", help="without --twin: of `bendtwin capture make`")
     parser.add_argument("--nodes", type=int, default=200, help="nodes of that draft")
     parser.add_argument("--server", help="address of a running server")
-    parser.add_argument("--bin", help="program to start a server with [BENDTWIN_BIN, or on the path]")
+    parser.add_argument(
+        "--bin", help="program to start a server with [BENDTWIN_BIN, or on the path]"
+    )
     parser.add_argument("--server-options", default="", help="further options of that server")
     parser.add_argument("--task", default="MoveTip")
     parser.add_argument("--envs", type=int, default=64)

@@ -210,7 +210,7 @@ class Body:
 
     @cached_property
     def _line(self) -> tuple[Indices, Array]:
-        """The stretch of the object in which each node is [N], and the means of stretches [S, 3]."""
+        """The stretch of the object of each node [N], and the means of stretches [S, 3]."""
         stretch = np.clip((self.along * _STRETCHES).astype(int), 0, _STRETCHES - 1)
         filled = np.unique(stretch)
         means = np.array([self.positions[stretch == one].mean(axis=0) for one in filled])
@@ -229,7 +229,7 @@ class Body:
         return np.asarray(np.linalg.norm(beside, axis=1))
 
     def _apart(self, source: int) -> Array:
-        """Distances from a node along springs [N], metres; straight ones to nodes of other parts."""
+        """Distances from a node along springs [N], metres; straight ones to other parts."""
         rest = np.asarray(self.geometry.rest_positions, float)
         distances = np.full(len(rest), np.inf)
         distances[source] = 0.0

@@ -31,7 +31,7 @@ class Camera:
     intrinsics: npt.ArrayLike
     width: int = 96
     height: int = 96
-    #: What is seen where there is nothing: a colour [3], or an image [height, width, 3], uint8 sRGB,
+    #: What is seen where there is nothing: a colour [3] or an image [height, width, 3], uint8 sRGB,
     #: such as that of the recording without the object; None: a light grey.
     background: npt.ArrayLike | None = None
     #: The gripper that carries it.
@@ -86,7 +86,9 @@ def named(camera: str | Camera, body: Body, at: Array, radius_m: float, **size: 
         length = body.length_m
         eye = np.array([0.0, -0.25, 0.35]) * length
         return Camera.looking(camera, eye, np.zeros(3), gripper=0, **size)
-    raise ValueError(f'there is no camera {camera!r}: give "front", "side", "top", "wrist" or a Camera')
+    raise ValueError(
+        f'there is no camera {camera!r}: give "front", "side", "top", "wrist" or a Camera'
+    )
 
 
 def chosen(

@@ -51,7 +51,9 @@ class Evaluation:
         )
 
 
-def evaluate(env: TwinVectorEnv, policy: Policy, episodes: int = 50, *, seed: int = 0) -> Evaluation:
+def evaluate(
+    env: TwinVectorEnv, policy: Policy, episodes: int = 50, *, seed: int = 0
+) -> Evaluation:
     """Runs a policy in episodes of the seeds `seed` to `seed + episodes - 1`.
 
     Every seed counts, however long its episode is: episodes are run in batches, and what slots do

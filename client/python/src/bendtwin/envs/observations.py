@@ -83,7 +83,7 @@ class Observer:
             else np.asarray(given, np.int64)
         )
         nodes = len(body.positions)
-        if self.nodes.size and not (0 <= self.nodes.min() and self.nodes.max() < nodes):
+        if self.nodes.size and (self.nodes.min() < 0 or self.nodes.max() >= nodes):
             raise ValueError(f"keypoints name nodes that the twin does not have: it has {nodes}")
         #: True if all nodes must be recorded.
         self.needs_all: bool = settings.point_cloud is not None
@@ -168,7 +168,9 @@ class Observer:
         grid = np.clip(((pixels + 0.5) / cell).astype(np.int64), 0, None)
         columns = int(np.ceil(size[0] / cell[0])) + 1
         lines = int(np.ceil(size[1] / cell[1])) + 1
-        index = np.clip(grid[..., 1], 0, lines - 1) * columns + np.clip(grid[..., 0], 0, columns - 1)
+        index = np.clip(grid[..., 1], 0, lines - 1) * columns + np.clip(
+            grid[..., 0], 0, columns - 1
+        )
         index += np.arange(len(points))[:, None] * (columns * lines)
         nearest = np.full(len(points) * columns * lines, np.inf)
         np.minimum.at(nearest, index[inside], depth[inside])
@@ -185,7 +187,9 @@ class Observer:
         if settings.goal:
             state["goal"] = _box(goal)
         if settings.flat:
-            parts["environment_state"] = _box(sum(int(np.prod(s.shape or ())) for s in state.values()))
+            parts["environment_state"] = _box(
+                sum(int(np.prod(s.shape or ())) for s in state.values())
+            )
         else:
             parts |= state
         if settings.point_cloud is not None:

@@ -39,7 +39,7 @@ class Pictures:
     ) -> None:
         self.cameras = list(cameras)
         self._simulation, self._task, self._look = simulation, task, look
-        radius = 0.35 * task.body.grasp_radius_m + 0.02 * task.body.length_m
+        radius = 0.2 * task.body.grasp_radius_m + 0.012 * task.body.length_m
         self._finger = Capsule([0.0, 0.0, 0.0], [0.0, 0.0, 4.0 * radius], 0.5 * radius)
         self._palm = Capsule([0.0, 0.0, 4.0 * radius], [0.0, 0.0, 9.0 * radius], radius)
         self._apart = (2.4 * radius, 0.8 * radius)
@@ -93,8 +93,10 @@ class Pictures:
         lens = np.broadcast_to(np.asarray(camera.intrinsics, float), (len(looks), 4)).copy()
         lens[:, :2] /= np.array([look.zoom[number] for look in looks])[:, None]
         background = camera.background
-        if looks[0].background is not None and np.ndim(background) < 2:
-            background = np.array([look.background[number] for look in looks if look.background is not None])
+        if looks[0].background is not None and np.ndim(np.asarray(background)) < 2:
+            background = np.array(
+                [look.background[number] for look in looks if look.background is not None]
+            )
         return PictureCamera(
             name=camera.name,
             width=camera.width,

@@ -91,5 +91,3 @@ class ScriptedPolicy:
         near = (apart < self._near) & (turned < 2 * self._near)
         waited = np.where(self._stays, self._since >= _WAIT, near)
         return np.asarray(waited | (self._since >= _PATIENCE))
-
-

@@ -53,7 +53,9 @@ class Randomisation:
             if not isinstance(value, tuple):
                 continue
             if len(value) != 2 or not np.isfinite(value).all() or value[0] > value[1]:
-                raise ValueError(f"{field.name} is {value}: give the smallest and the largest value")
+                raise ValueError(
+                    f"{field.name} is {value}: give the smallest and the largest value"
+                )
             if field.name in (*_FACTORS, "field_of_view") and value[0] <= 0.0:
                 raise ValueError(f"{field.name} is {value}: factors are above 0")
 

@@ -112,7 +112,7 @@ class Simulation:
             "gripper_of_control": controls,
             "frames": setup.frames,
             "grasps": [*grasps, *hands],
-            "vary": Vary(**self._factors) if self._factors else None,
+            "vary": _vary(self._factors),
             "returns": Returns(
                 every_frames=setup.frames, nodes=setup.nodes, velocities=setup.velocities
             ),
@@ -203,15 +203,15 @@ class Simulation:
         return request
 
     def _run(self, request: session_pb2.AdvanceSessionRequest) -> rollout_pb2.RollOutResponse:
-        call = Call(lambda s: s.sessions.AdvanceSession, request, lambda reply: reply)
+        call: Call[rollout_pb2.RollOutResponse] = Call(
+            lambda s: s.sessions.AdvanceSession, request, lambda reply: reply
+        )
         return self._call(call)
 
     def _call(self, call: Call[_Result]) -> _Result:
         return self.run(lambda: self.twin._caller.run(call))
 
-    def _read(
-        self, reply: rollout_pb2.RollOutResponse, rows: Indices, diverged: Mask
-    ) -> Stepped:
+    def _read(self, reply: rollout_pb2.RollOutResponse, rows: Indices, diverged: Mask) -> Stepped:
         implausible = np.zeros(self.slots, bool)
         for one in reply.implausible:
             implausible[rows[one.instance]] = True
@@ -229,6 +229,11 @@ class Simulation:
         return whole
 
 
+def _vary(factors: Mapping[str, Any]) -> Vary | None:
+    """Factors by name, each with a row for every slot."""
+    return Vary(**factors) if factors else None
+
+
 def _last(tensor: Any) -> npt.NDArray[np.float32]:
     """The last recorded frame of points, [B, M, 3]."""
     array = unpack(tensor)
@@ -242,4 +247,3 @@ def _fill(tensor: Any, values: npt.NDArray[Any]) -> None:
     if tensor.shape[0] != len(values):
         tensor.shape[:] = values.shape
     tensor.data = values.tobytes()
-

@@ -51,9 +51,7 @@ class TwinEnv(gymnasium.Env):
         observed, info = self.vector.reset(seed=seed)
         return _first(observed), _first_info(info)
 
-    def step(
-        self, action: npt.ArrayLike
-    ) -> tuple[Observed, float, bool, bool, dict[str, Any]]:
+    def step(self, action: npt.ArrayLike) -> tuple[Observed, float, bool, bool, dict[str, Any]]:
         """Moves the object."""
         observed, reward, terminated, truncated, info = self.vector.step(np.asarray(action)[None])
         ends = bool(terminated[0]), bool(truncated[0])

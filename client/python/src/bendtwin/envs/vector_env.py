@@ -121,6 +121,7 @@ class TwinVectorEnv(Slots, VectorEnv):
         self.observation_space: spaces.Space[Any] = batch_space(
             self.single_observation_space, num_envs
         )
+        self._ended: Mask = np.zeros(num_envs, bool)
         self._begin_without_episodes()
 
     # The interface of Gymnasium
@@ -151,9 +152,7 @@ class TwinVectorEnv(Slots, VectorEnv):
         nothing = np.zeros(self.num_envs, bool)
         return self._observation(), _info(dict.fromkeys(_INFO, nothing), ~nothing)
 
-    def step(
-        self, actions: npt.ArrayLike
-    ) -> tuple[Observed, Array, Mask, Mask, dict[str, Any]]:
+    def step(self, actions: npt.ArrayLike) -> tuple[Observed, Array, Mask, Mask, dict[str, Any]]:
         """Moves all slots that have an episode, in one call."""
         if len(self._randoms) < self.num_envs:
             raise RuntimeError("call reset before step")
@@ -240,18 +239,23 @@ class TwinVectorEnv(Slots, VectorEnv):
     # Parts
 
     def _build(
-        self, actions: Actions, settings: Observations, render_camera: str | Camera, fidelity: Fidelity
+        self,
+        actions: Actions,
+        settings: Observations,
+        render_camera: str | Camera,
+        fidelity: Fidelity,
     ) -> None:
         body, task = self.body, self.task_on_body
-        at = body.middle + np.array([0.0, 0.0, 0.1 * body.length_m])
-        scene: tuple[Any, ...] = (body, at, 1.1 * body.length_m)
+        at, radius = task.scene
         size = {"width": settings.width, "height": settings.height}
-        cameras = chosen(settings.cameras, *scene, **size)
+        cameras = chosen(settings.cameras, body, at, radius, **size)
         cloud = settings.point_cloud
-        seen_by = None if cloud is None or cloud.seen_by is None else named(cloud.seen_by, *scene)
-        self._observer = Observer(
-            settings, body, task.grippers, task.goal_size, cameras, seen_by
+        seen_by = (
+            None
+            if cloud is None or cloud.seen_by is None
+            else named(cloud.seen_by, body, at, radius)
         )
+        self._observer = Observer(settings, body, task.grippers, task.goal_size, cameras, seen_by)
         floor = min(float(body.positions[body.place(at), 2].mean()) for at in (0.0, 0.5, 1.0))
         self._mover = Mover(actions, body, task.grippers, Workspace.around(body, floor))
         wanted = np.concatenate([task.nodes, self._observer.nodes])
@@ -277,7 +281,7 @@ class TwinVectorEnv(Slots, VectorEnv):
         )
         self._shown = self._pictures_by(cameras)
         self._render = self._pictures_by(
-            [] if self.render_mode is None else [named(render_camera, *scene, **_RENDER)]
+            [] if self.render_mode is None else [named(render_camera, body, at, radius, **_RENDER)]
         )
 
     def _pictures_by(self, cameras: Sequence[Camera]) -> Pictures | None:
@@ -298,7 +302,6 @@ class TwinVectorEnv(Slots, VectorEnv):
         self._points = np.zeros((slots, nodes, 3))
         self._velocities = np.zeros((slots, nodes, 3))
         self._steps = np.zeros(slots, np.int64)
-        self._ended = np.zeros(slots, bool)
         #: Slots whose states are lost with a session, although their episodes have not ended.
         self._stale = np.zeros(slots, bool)
         self._looks: dict[int, Look] = {}
@@ -370,9 +373,7 @@ class TwinVectorEnv(Slots, VectorEnv):
         cameras = max(len(one.cameras) for one in (self._shown, self._render) if one)
         obstacles = len(self.task_on_body.colliders)
         for slot in slots.tolist():
-            self._looks[slot] = self._randomisation.look(
-                self._randoms[slot][1], cameras, obstacles
-            )
+            self._looks[slot] = self._randomisation.look(self._randoms[slot][1], cameras, obstacles)
 
     def _draw_pixels(self, slots: Indices) -> None:
         if self._shown is None or not len(slots):
@@ -411,7 +412,7 @@ class TwinVectorEnv(Slots, VectorEnv):
 
 
 def _generators(seed: int | None) -> tuple[np.random.Generator, ...]:
-    """Random numbers of a slot: of episodes, of looks, and of sensors, so that none shifts another."""
+    """Random numbers of a slot: of episodes, of looks and of sensors, which do not shift others."""
     return tuple(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
 
 

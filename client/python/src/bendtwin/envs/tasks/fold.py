@@ -81,7 +81,7 @@ class Fold(Task):
         def over(place: Array, height: float, angle: float) -> Array:
             turn = rotations.exponential(angle * across)
             at = place + rotations.rotated(turn, arm) + [0.0, 0.0, height]
-            poses = stay(view.grippers)
+            poses: Array = stay(view.grippers)
             poses[:, 0] = np.concatenate([at, turn], axis=-1)
             return poses
 

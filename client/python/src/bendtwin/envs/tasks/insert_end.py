@@ -65,7 +65,9 @@ class InsertEnd(Task):
         tip, place = self.body.positions[order[0]], self.body.positions[order[-1]]
         lies = np.arctan2(tip[1] - place[1], tip[0] - place[0])
         drawn = self.drawn(random, self.opening + 0.5 * self.depth_m * _AXIS)
-        return Draw(drawn.offset_m, float(random.uniform(-0.7, 0.7) - lies), drawn.goal, drawn.grippers)
+        return Draw(
+            drawn.offset_m, float(random.uniform(-0.7, 0.7) - lies), drawn.goal, drawn.grippers
+        )
 
     def places(self, points: Array) -> Array:
         """The two nodes at the tip."""

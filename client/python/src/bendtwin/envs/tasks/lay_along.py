@@ -109,15 +109,14 @@ class LayAlong(Task):
     def markers(self) -> Sequence[Marker]:
         """Balls along the line."""
         ball = Sphere(0.15 * self.tolerance_m)
-        return [
-            Marker(ball, pose=lambda goals, at=at: upright(_on(goals, np.array([at]))[:, 0]))
-            for at in np.linspace(0.0, 1.0, _BALLS)
-        ]
+
+        def marker(at: float) -> Marker:
+            return Marker(ball, pose=lambda goals: upright(_on(goals, np.array([at]))[:, 0]))
+
+        return [marker(at) for at in np.linspace(0.0, 1.0, _BALLS).tolist()]
 
 
 def _on(goals: Array, at: Array) -> Array:
     """Points [B, M, 3] of lines [B, 6] at shares [M] of their length."""
     first, last = goals[:, None, :3], goals[:, None, 3:]
     return np.asarray(first + at[:, None] * (last - first))
-
-

@@ -49,6 +49,12 @@ class PutInBin(Task):
         """The task as a sentence."""
         return "Put the object into the bin and let go of it."
 
+    @property
+    def scene(self) -> tuple[Array, float]:
+        """The object and the bin."""
+        between = 0.5 * (self.body.middle + self.center)
+        return between, 0.5 * float(distance(self.center, self.body.middle)) + 1.3 * self.half_m
+
     def draw(self, random: np.random.Generator) -> Draw:
         """The bin stands still; the object is moved and turned."""
         return self.drawn(random, self.center)
@@ -73,10 +79,11 @@ class PutInBin(Task):
         """Over the wall by half the object's length, since its ends may hang."""
         places, length = self.places(view.points), self.body.length_m
         lift = 0.45 * length + self.walls_m
-        over = (view.goals + [0.0, 0.0, lift])[:, None]
+        over = (view.goals + np.array([0.0, 0.0, lift]))[:, None]
         up = view.grippers[..., :3].copy()
         up[..., 2] = view.goals[:, None, 2] + lift
-        low = (view.goals + [0.0, 0.0, self.walls_m + 0.5 * self.body.height_m])[:, None]
+        high = self.walls_m + 0.5 * self.body.height_m
+        low = (view.goals + np.array([0.0, 0.0, high]))[:, None]
         return [
             Waypoint(self.above(places, 0.1), flags(False)),
             Waypoint(upright(places), flags(False)),

@@ -122,6 +122,12 @@ class Task(ABC):
     def places(self, points: Array) -> Array:
         """Where grippers are to take the object [B, G, 3], of nodes [B, M, 3]."""
 
+    @property
+    def scene(self) -> tuple[Array, float]:
+        """The middle and the radius of what cameras are to see, metres."""
+        length = self.body.length_m
+        return self.body.middle + np.array([0.0, 0.0, 0.1 * length]), 1.1 * length
+
     def markers(self) -> Sequence[Marker]:
         """What shows the goal in pictures."""
         return ()
