@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,8 +18,9 @@ import numpy.typing as npt
 
 from bendtwin import session_calls
 from bendtwin.calls import Call
+from bendtwin.connection.caller import Caller
 from bendtwin.envs.body import Array, Indices
-from bendtwin.errors import BendTwinError
+from bendtwin.errors import BendTwinError, Category
 from bendtwin.session import Session
 from bendtwin.simulation.rollout import Fidelity, Returns
 from bendtwin.simulation.state import State
@@ -36,8 +38,13 @@ _IDLE_S = 3600.0
 _REOPEN_S, _PAUSE_S = 60.0, 0.2
 
 
+#: Errors after which nobody knows whether the slots have moved.
+_UNKNOWN = (Category.UNAVAILABLE, Category.ABORTED, Category.CANCELLED)
+
+
 class SessionLost(Exception):
-    """The worker of the session was lost, and with it the states of all slots."""
+    """The worker of the session was lost, or the connection to it, and with it the states of all
+    slots."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,6 +92,7 @@ class Simulation:
     setup: Setup
     slots: int
     session: Session = field(init=False)
+    _stream: _Stream | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         setup, geometry = self.setup, self.twin.geometry()
@@ -155,11 +163,13 @@ class Simulation:
 
     def reopen(self) -> None:
         """Opens the session again; its slots are to be reset."""
+        self._hang_up()
         self._open()
         self._request.name = self.session.name
 
     def close(self) -> None:
         """Ends the session."""
+        self._hang_up()
         self.session.close()
 
     def run(self, what: Callable[[], _Result]) -> _Result:
@@ -171,7 +181,7 @@ class Simulation:
         try:
             return what()
         except BendTwinError as error:
-            if error.reason == "SESSION_LOST":
+            if error.category in _UNKNOWN:
                 raise SessionLost(str(error)) from error
             raise
 
@@ -203,10 +213,20 @@ class Simulation:
         return request
 
     def _run(self, request: session_pb2.AdvanceSessionRequest) -> rollout_pb2.RollOutResponse:
-        call: Call[rollout_pb2.RollOutResponse] = Call(
-            lambda s: s.sessions.AdvanceSession, request, lambda reply: reply
-        )
-        return self._call(call)
+        if self._stream is None:
+            self._stream = _Stream(self.twin._caller)
+        stream = self._stream
+        try:
+            return self.run(lambda: stream.ask(request))
+        except BaseException:
+            # It ends with an advance that fails.
+            self._hang_up()
+            raise
+
+    def _hang_up(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.close()
 
     def _call(self, call: Call[_Result]) -> _Result:
         return self.run(lambda: self.twin._caller.run(call))
@@ -227,6 +247,33 @@ class Simulation:
         whole = np.zeros((self.slots, *array.shape[1:]), np.float32)
         whole[rows] = array
         return whole
+
+
+class _Stream:
+    """Advances over one call, whose messages cost less than calls of their own."""
+
+    def __init__(self, caller: Caller) -> None:
+        self._sent: SimpleQueue[session_pb2.AdvanceSessionRequest | None] = SimpleQueue()
+        requests = iter(self._sent.get, None)
+        call: Call[rollout_pb2.RollOutResponse] = Call(
+            lambda s: s.sessions.ControlSession, requests, lambda reply: reply
+        )
+        self._replies = caller.exchange(call)
+
+    def ask(self, request: session_pb2.AdvanceSessionRequest) -> rollout_pb2.RollOutResponse:
+        """The reply to a message, which must not change before."""
+        self._sent.put(request)
+        reply = next(self._replies, None)
+        if reply is None:
+            raise SessionLost("the server has ended the stream of the session")
+        return reply
+
+    def close(self) -> None:
+        """Ends the call."""
+        self._sent.put(None)
+        close: Any = getattr(self._replies, "close", None)
+        if close is not None:
+            close()
 
 
 def _vary(factors: Mapping[str, Any]) -> Vary | None:

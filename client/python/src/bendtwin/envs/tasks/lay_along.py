@@ -99,7 +99,8 @@ class LayAlong(Task):
         high[..., 3:], low[..., 3:] = turned, turned
         return [
             Waypoint(self.above(places, 0.1), flags(False, False)),
-            Waypoint(upright(places), flags(False, False)),
+            # A grasp beside its place would stretch the object, which then springs off the line.
+            Waypoint(upright(places), flags(False, False), near=0.1),
             Waypoint(stay(view.grippers), flags(True, True)),
             Waypoint(high, flags(True, True)),
             Waypoint(low, flags(True, True), near=0.1),
