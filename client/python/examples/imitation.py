@@ -11,7 +11,7 @@ import torch
 import torch.nn.functional as F
 
 from bendtwin import Client
-from bendtwin.envs import RandomPolicy, ScriptedPolicy, TwinVectorEnv, evaluate, make
+from bendtwin.envs import Policy, RandomPolicy, ScriptedPolicy, TwinVectorEnv, evaluate, make
 
 Array = npt.NDArray[np.float32]
 
@@ -93,7 +93,7 @@ with Client(os.environ.get("BENDTWIN_SERVER", "http://127.0.0.1:7070")) as clien
         with torch.inference_mode():
             return network(torch.from_numpy(features(observed))).numpy()
 
-    policies = {
+    policies: dict[str, Policy] = {
         "random": RandomPolicy(env),
         "script": ScriptedPolicy(env),
         "imitation": imitation,

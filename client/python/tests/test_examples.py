@@ -17,6 +17,7 @@ PAGE = EXAMPLES / "../../../docs/use/examples.md"
 NEEDS = {
     "export": ("mujoco", "trimesh"),
     "gradients": ("matplotlib",),
+    "imitation": ("gymnasium", "torch"),
     "plan": ("matplotlib",),
     "rollouts": ("matplotlib",),
 }

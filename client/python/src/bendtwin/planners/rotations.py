@@ -33,7 +33,7 @@ def product(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> Array:
     av, aw, bv, bw = a[..., :3], a[..., 3:], b[..., :3], b[..., 3:]
     vector = aw * bv + bw * av + np.cross(av, bv)
     scalar = aw * bw - (av * bv).sum(-1, keepdims=True)
-    return np.asarray(np.concatenate([vector, scalar], axis=-1))
+    return np.asarray(np.concatenate([vector, scalar], axis=-1), np.float64)
 
 
 def conjugate(quaternions: npt.NDArray[Any]) -> Array:
