@@ -18,6 +18,7 @@ NEEDS = {
     "arm": ("matplotlib",),
     "export": ("mujoco", "trimesh"),
     "gradients": ("matplotlib",),
+    "imitation": ("gymnasium", "torch"),
     "mujoco_arm": ("matplotlib", "mujoco"),
     "plan": ("matplotlib",),
     "rollouts": ("matplotlib",),

@@ -5,10 +5,13 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("gymnasium")
+
 MODULES = [
     "bendtwin",
     "bendtwin.aio",
     "bendtwin.coupling",
+    "bendtwin.envs",
     "bendtwin.planners",
     "bendtwin.robots",
 ]

@@ -19,7 +19,7 @@ from bendtwin.surface import Surface
 from bendtwin.v1 import rollout_pb2
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing_extensions import Self, Unpack
 
 _Caller = TypeVar("_Caller")
 
@@ -33,6 +33,11 @@ class TwinFacts(Generic[_Caller]):
         self._caller = caller
         self._geometry: Geometry | None = None
         self._surface: Surface | None = None
+
+    def __deepcopy__(self, _: Any) -> Self:
+        """Itself: twins never change, and a connection cannot be copied. Gymnasium copies the
+        arguments of environments."""
+        return self
 
     @property
     def name(self) -> str:
