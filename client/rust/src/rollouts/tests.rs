@@ -43,7 +43,7 @@ fn what_the_builder_makes_passes_the_check() {
             .cost(Cost::control_path("path", 1.0))
             .cost(Cost::control_speed("speed", 1.0, 0.5))
             .cost(Cost::order("order", 1.0, &[0, 1, 2], [0.0, 1.0, 0.0], 0.01).success_at_most(0.0))
-            .cost(Cost::order("skin", 1.0, &[], [0.0, 1.0, 0.0], 0.0).at_skin_points(&[8, 0]))
+            .cost(Cost::order("skin order", 1.0, &[], [0.0, 1.0, 0.0], 0.0).at_skin_points(&[8, 0]))
             .cost(Cost::winding("winding", 1.0, &[0, 4], line, -1.5))
             .cost(Cost::coverage("covered", 0.0, &points, 0.02).at_nodes().success_at_most(0.1))
             .control_gradients()
