@@ -27,7 +27,7 @@ _LONGEST_S = 10.0
 _PERSON_S = 15.0
 #: A session without calls for this time ends; it is opened again when clouds return.
 _IDLE_S = 600.0
-#: Time limit of calls that have none of their own, seconds.
+#: Time limit of calls that are given no other one, seconds.
 _CALL_S = 10.0
 #: Slot that follows the object, and slot from which plans start.
 TRACKED, PLANNED = 0, 1
