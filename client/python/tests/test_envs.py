@@ -225,7 +225,7 @@ def test_one_that_diverges_ends_alone(made, monkeypatch):
     assert reward[1] == -env.horizon, "no other end of an episode is worse"
     np.testing.assert_array_equal(reward[[0, 2]], others[[0, 2]])
     np.testing.assert_array_equal(observed["keypoints"][[0, 2]], expected["keypoints"][[0, 2]])
-    # The others go on as if nothing had been.
+    # The others continue as if nothing had happened.
     observed, *_ = env.step(action[1])
     expected, *_ = other.step(action[1])
     np.testing.assert_array_equal(observed["keypoints"][[0, 2]], expected["keypoints"][[0, 2]])
