@@ -7,7 +7,7 @@ import pytest
 from scenes import dragged, twisted
 from server import needs_server, running
 
-from bendtwin import Client
+from bendtwin import Client, Session
 from bendtwin.v1 import rollout_pb2
 
 gymnasium = pytest.importorskip("gymnasium")
@@ -225,7 +225,7 @@ def test_one_that_diverges_ends_alone(made, monkeypatch):
     assert reward[1] == -env.horizon, "no other end of an episode is worse"
     np.testing.assert_array_equal(reward[[0, 2]], others[[0, 2]])
     np.testing.assert_array_equal(observed["keypoints"][[0, 2]], expected["keypoints"][[0, 2]])
-    # The others go on as if nothing had been.
+    # The others continue as if nothing had happened.
     observed, *_ = env.step(action[1])
     expected, *_ = other.step(action[1])
     np.testing.assert_array_equal(observed["keypoints"][[0, 2]], expected["keypoints"][[0, 2]])
@@ -308,6 +308,36 @@ def test_observations_have_the_parts_that_were_chosen(made):
     assert observed["points"].shape == (3, 40, 3)
     with pytest.raises(ValueError, match="nodes that the twin does not have"):
         made(observations=Observations(keypoints=[99]))
+
+
+@pytest.mark.skipif(not hasattr(Session, "render"), reason="this client takes no pictures")
+def test_pictures_show_the_state_of_each_slot(made):
+    seen = Observations(cameras=["front", "wrist"], width=48, height=32)
+    options = {"observations": seen, "render_mode": "rgb_array", "horizon": 2}
+    env, plain = made(**options), made(horizon=2)
+    looks = made(randomisation=Randomisation(brightness=(0.4, 1.0), camera_m=0.02), **options)
+    first, _ = env.reset(seed=0)
+    assert env.observation_space.contains(first)
+    assert first["pixels"]["front"].shape == (3, 32, 48, 3)
+    assert all(np.ptp(picture) > 50 for picture in first["pixels"]["front"]), "something is seen"
+    # Pictures change nothing else, nor do their looks.
+    same(first, {name: part[1:2] for name, part in plain.reset(seed=0)[0].items()})
+    other, _ = looks.reset(seed=0)
+    np.testing.assert_array_equal(other["keypoints"], first["keypoints"])
+    assert (other["pixels"]["front"] != first["pixels"]["front"]).any()
+    moved = actions_of(env, 2)
+    after, *_ = env.step(moved[0])
+    assert (after["pixels"]["wrist"] != first["pixels"]["wrist"]).any()
+    *_, truncated, info = env.step(moved[1])
+    assert truncated.all()
+    assert info["final_obs"][0]["pixels"]["front"].shape == (32, 48, 3)
+    again, _ = env.reset(seed=0)
+    for name, pictures in first["pixels"].items():
+        np.testing.assert_array_equal(again["pixels"][name], pictures)
+    frames = env.render()
+    assert len(frames) == 3
+    assert frames[0].shape == (240, 320, 3)
+    np.testing.assert_array_equal(env.envs[1].render(), frames[1])
 
 
 def test_actions_may_be_knots_along_the_gripper(made):

@@ -1,10 +1,8 @@
 """An environment for LeRobot's EnvHub.
 
 Upload this file to a repository of the hub, with the file of a twin (`bendtwin twin export`) beside
-it as `object.twin`, and a `requirements.txt` with `bendtwin[gymnasium]`. Whoever evaluates a policy
-runs `bendtwin server`, or names one in BENDTWIN_SERVER:
-
-    lerobot-eval --env.type=... --env.hub_path=you/your-object --trust_remote_code ...
+it as `object.twin`, and a `requirements.txt` with `bendtwin[gymnasium]`. To evaluate a policy, run
+`bendtwin server`, or name a server in BENDTWIN_SERVER.
 """
 
 import hashlib

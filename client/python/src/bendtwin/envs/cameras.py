@@ -74,7 +74,7 @@ class Camera:
 
 def named(camera: str | Camera, body: Body, at: Array, radius_m: float, **size: int) -> Camera:
     """A camera by its name, for a scene of a radius around a place: "front", "side", "top", or
-    "wrist", which the first gripper carries; a camera is returned as it is."""
+    "wrist", which the first gripper carries; a camera is returned unchanged."""
     if isinstance(camera, Camera):
         return camera
     away = radius_m / np.tan(0.5 * _VIEW_RAD)

@@ -11,7 +11,7 @@ from bendtwin.envs.body import Array
 from bendtwin.envs.observations import Observed
 from bendtwin.envs.vector_env import TwinVectorEnv
 
-#: Steps after which a script goes on although a waypoint is not reached.
+#: Steps after which a script continues although a waypoint is not reached.
 _PATIENCE = 12
 #: Steps that a gripper waits where it closes or opens.
 _WAIT = 1

@@ -250,7 +250,7 @@ class Simulation:
 
 
 class _Stream:
-    """Advances over one call, whose messages cost less than calls of their own."""
+    """Advances over one call, whose messages cost less than separate calls."""
 
     def __init__(self, caller: Caller) -> None:
         self._sent: SimpleQueue[session_pb2.AdvanceSessionRequest | None] = SimpleQueue()

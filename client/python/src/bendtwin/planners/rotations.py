@@ -38,7 +38,7 @@ def product(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> Array:
 
 def conjugate(quaternions: npt.NDArray[Any]) -> Array:
     """The rotations back, [..., 4]."""
-    return np.asarray(quaternions, np.float64) * np.array([-1.0, -1.0, -1.0, 1.0])
+    return np.asarray(quaternions * np.array([-1.0, -1.0, -1.0, 1.0]), np.float64)
 
 
 def logarithm(quaternions: npt.NDArray[Any]) -> Array:

@@ -56,7 +56,7 @@ class LayAlong(Task):
     @property
     def instruction(self) -> str:
         """The task as a sentence."""
-        return "Lay the object along the green line, stretched out, and let go of it."
+        return "Lay the object along the green line, stretched out, and release it."
 
     def draw(self, random: np.random.Generator) -> Draw:
         """A line of the object's length, turned by up to 60 degrees from where the object lies."""

@@ -47,7 +47,7 @@ class PutInBin(Task):
     @property
     def instruction(self) -> str:
         """The task as a sentence."""
-        return "Put the object into the bin and let go of it."
+        return "Put the object into the bin and release it."
 
     @property
     def scene(self) -> tuple[Array, float]:
