@@ -23,6 +23,12 @@ MASS_KG, GRAVITY, FPS, LENGTH_M = 0.1, 9.81, 30, 0.3  # Those of the cables.
 WEIGHT_N = MASS_KG * GRAVITY
 
 
+@pytest.fixture(autouse=True)
+def folder_of_logs(tmp_path, monkeypatch):
+    """MuJoCo writes its warnings to the current folder."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture(scope="module")
 def at(tmp_path_factory):
     folder = tmp_path_factory.mktemp("coupling")

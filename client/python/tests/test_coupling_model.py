@@ -57,6 +57,12 @@ GEOMETRY = Geometry(
 )
 
 
+@pytest.fixture(autouse=True)
+def folder_of_logs(tmp_path, monkeypatch):
+    """MuJoCo writes its warnings to the current folder."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def scene():
     model = mujoco.MjModel.from_xml_string(SCENE)
