@@ -44,7 +44,7 @@ impl PlaceSearch {
     ///
     /// # Errors
     /// If there is no place, a nominal plan or a setting is wrong, or there are too few samples or
-    /// iterations for so many places.
+    /// iterations for the places.
     pub fn new(settings: Settings, nominals: Vec<Knots>) -> Result<Self, Invalid> {
         check_places(&settings, nominals.len())?;
         let count = nominals.len();
@@ -77,7 +77,7 @@ impl PlaceSearch {
             if !self.settings.method.needs_gradients() {
                 search.set_samples(each + usize::from(i < more));
             }
-            // All of them have run for as long, so either all go on or none does.
+            // All of them have run for as long, so the deadline ends all or none.
             let Some(plans) = search.propose(elapsed) else {
                 self.place_of.clear();
                 return false;
@@ -184,10 +184,10 @@ impl PlaceSearch {
     }
 }
 
-/// Checks that so many places can be searched with these settings.
+/// Checks that a number of places can be searched with these settings.
 ///
 /// # Errors
-/// If there is none, or too few samples or iterations for them.
+/// If it is 0, or there are too few samples or iterations for it.
 pub fn check_places(settings: &Settings, places: usize) -> Result<(), Invalid> {
     if places == 0 {
         return Err(Invalid::new("places", "give one or more"));

@@ -11187,8 +11187,8 @@ pub struct PlanRequest {
 /// A plan in which no grasp of a listed gripper ever exerts a force has grasped nothing: its cost is +inf, and it
 /// counts as diverged. If there is no other, the call ends with FAILED_PRECONDITION, reason NOTHING_GRASPED.
 /// Only with poses as actions and with `rollout.grasps` that have a sphere, a cuboid or nodes for each listed
-/// gripper, also in a session. Refused if such a grasp holds something in the initial state and is closed at the
-/// start of the plan.
+/// gripper, also in a session. Refused if such a grasp holds something in the given initial state, or in the slot
+/// of a session that was opened with its grasps, and is closed at the start of the plan.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct GraspSearch {
     /// Poses at the start of the motion, of all grippers listed in `grippers`: FLOAT32 \[P, G', 7\], P in 2..256.

@@ -55,7 +55,7 @@ impl ImplausibleReason {
         }
     }
 
-    /// The limit where a request sets none; infinite if there is none then.
+    /// The limit where a request sets none; infinite for no limit.
     pub fn default_limit(self) -> f64 {
         match self {
             Self::StartGap | Self::ControlInObstacle => 0.005,

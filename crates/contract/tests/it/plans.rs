@@ -141,7 +141,7 @@ fn forces_of_a_batch_are_reported_if_plans_are_judged_by_them() {
     assert_eq!(template(with_limit(Some(f64::INFINITY), without_search())), (None, None));
     let limited = Judged { limit_n: 4.0, takes: None };
     assert_eq!(template(with_limit(Some(4.0), without_search())), (Some(limited), Some(0.0)));
-    // A search is told whether its gripper, not another, takes hold of something.
+    // In a search the gripper that is searched, not another, must take hold of something.
     let mut search = with_limit(None, cases::sound_with_places(&TWIN));
     let grasps = &mut search.rollout.as_mut().unwrap().grasps;
     grasps.insert(0, Grasp { gripper: 1, ..grasps[0].clone() });

@@ -232,8 +232,8 @@ async fn over_http_places_are_lists() {
     });
     let reply = server.http.post(server.url("/v1/plans")).json(&body).send().await.unwrap();
     let text = reply.text().await.unwrap();
-    let data = text.lines().filter_map(|line| line.strip_prefix("data:"));
-    let last: Value = serde_json::from_str(data.last().unwrap()).unwrap();
+    let mut data = text.lines().filter_map(|line| line.strip_prefix("data:"));
+    let last: Value = serde_json::from_str(data.next_back().unwrap()).unwrap();
     assert_eq!((&last["grasp"], &last["last"]), (&json!(2), &json!(true)), "{last}");
     assert_eq!(last["knots"][0][0][0][0], json!(0.25), "{last}");
     assert_eq!(last["grasp_costs"].as_array().map(Vec::len), Some(3));
