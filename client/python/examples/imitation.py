@@ -22,7 +22,7 @@ FAR_M, NEAR_M = 0.1, 0.01
 
 
 def features(observed: dict[str, Any]) -> Array:
-    """One vector by observation: the grippers, and all points as seen from each of them."""
+    """A vector for each observation: the grippers, and all points as seen from each of them."""
     grippers = observed["agent_pos"].reshape(len(observed["agent_pos"]), -1, 8)
     goal = observed["goal"].reshape(len(grippers), -1, 3)
     points = np.concatenate([observed["keypoints"], goal], axis=1)

@@ -147,7 +147,7 @@ class Taken:
 
 
 def test_pictures_are_asked_for_by_slot(monkeypatch):
-    """Of a session that stands for a server's."""
+    """Stands for the session of a server."""
     kinds = ModuleType("bendtwin.simulation.pictures")
     for name in ("PictureCamera", "Light"):
         setattr(kinds, name, lambda **given: SimpleNamespace(**given))

@@ -333,7 +333,7 @@ class Coupling:
         )
 
     def _rows(self, poses: FloatArray) -> npt.NDArray[np.float32]:
-        """Poses of all grippers as they are sent, [G + 1, 7]: the last stands still."""
+        """Poses of all grippers in the form of requests, [G + 1, 7]: the last stands still."""
         return np.concatenate([poses, [IDENTITY]]).astype(np.float32)
 
     def _check_speeds(self, poses: npt.NDArray[np.float32]) -> None:

@@ -82,7 +82,7 @@ class Gripper:
         return lambda *_: always
 
     def numbered(self, number: int) -> list[Grasp]:
-        """Its grasps, as those of the gripper with a number."""
+        """The grasps of this gripper, given its number."""
         return [replace(grasp, gripper=number) for grasp in self.grasps]
 
 

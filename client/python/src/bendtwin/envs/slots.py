@@ -11,7 +11,7 @@ from bendtwin.envs.tasks.task import Task
 
 
 class Slot:
-    """One environment of a vector environment, to be asked, not to be stepped."""
+    """An environment of a vector environment, which can be asked, but not stepped."""
 
     def __init__(self, env: Any, number: int) -> None:
         self._env, self._number = env, number

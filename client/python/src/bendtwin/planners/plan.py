@@ -31,10 +31,9 @@ class Planned:
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
     problem: Problem | Task = field(repr=False)
-    #: Sum of the excess of the strain of the material and of the forces of grasps over the limits of
-    #: `Plausibility`, as shares of the limits, and of a machine over its own
-    #: (`MachineSpace.excess`): 0, unless every plan was beyond one. Plans beyond a limit are worse
-    #: than all within, regardless of cost.
+    #: Sum of the excess of strain and of the forces of grasps over the limits of `Plausibility`, as
+    #: shares of the limits, and of a machine over its own (`MachineSpace.excess`): 0, unless every
+    #: plan was beyond one. Plans beyond a limit are worse than all within, regardless of cost.
     excess: float = 0.0
     #: Number of the simulated plans that did not diverge and were beyond a limit.
     overstrained: int = 0

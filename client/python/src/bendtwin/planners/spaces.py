@@ -47,7 +47,7 @@ class MachineSpace(ActionSpace, Protocol):
 
     @property
     def world(self) -> World:
-        """World of the task, which has none of its own."""
+        """World of the task, which itself has none."""
 
     @property
     def bounds(self) -> Bounds:

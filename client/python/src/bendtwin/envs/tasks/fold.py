@@ -24,7 +24,7 @@ from bendtwin.simulation.world import Sphere
 
 
 class Fold(Task):
-    """One gripper takes the tip and lays it on the other end, which another gripper may hold."""
+    """A gripper takes the tip and lays it on the other end, which another gripper may hold."""
 
     name = "Fold"
     grippers = 2
