@@ -1,8 +1,7 @@
 """Parts of environments without a server: bodies, actions, cameras, pictures, rates."""
 
-import sys
 from dataclasses import dataclass
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ pytest.importorskip("gymnasium")
 
 from bendtwin.envs import Actions, Body, Camera, Evaluation, Randomisation, View
 from bendtwin.envs.actions import Mover, Workspace
+from bendtwin.envs.pictures import Pictures
 from bendtwin.envs.tasks import MoveTip
 
 
@@ -146,16 +146,7 @@ class Taken:
         return np.zeros((len(self.slots), camera.height, camera.width, 3), np.uint8)
 
 
-def test_pictures_are_asked_for_by_slot(monkeypatch):
-    """Stands for the session of a server."""
-    kinds = ModuleType("bendtwin.simulation.pictures")
-    for name in ("PictureCamera", "Light"):
-        setattr(kinds, name, lambda **given: SimpleNamespace(**given))
-    kinds.Prop = lambda shape, **given: SimpleNamespace(shape=shape, **given)
-    monkeypatch.setitem(sys.modules, kinds.__name__, kinds)
-    monkeypatch.delitem(sys.modules, "bendtwin.envs.pictures", raising=False)
-    from bendtwin.envs.pictures import Pictures
-
+def test_pictures_are_asked_for_by_slot():
     calls = []
 
     def render(cameras, *, slots, look, props, light):
@@ -180,7 +171,6 @@ def test_pictures_are_asked_for_by_slot(monkeypatch):
     np.testing.assert_allclose(goal.pose[:, :3], 1.0)
     np.testing.assert_allclose(palm.pose[:, 0], np.arange(8))
     assert len(fingers) == 2
-    monkeypatch.delitem(sys.modules, "bendtwin.envs.pictures", raising=False)
 
 
 def test_looks_differ_within_their_ranges():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,15 +16,13 @@ from bendtwin.envs.actions import Actions, Mover, Workspace
 from bendtwin.envs.body import Array, Body, Indices, world_of
 from bendtwin.envs.cameras import Camera, chosen, named
 from bendtwin.envs.observations import Observations, Observed, Observer
+from bendtwin.envs.pictures import Pictures, Pixels
 from bendtwin.envs.randomisation import Look, Randomisation
 from bendtwin.envs.simulation import Mask, SessionLost, Setup, Simulation
 from bendtwin.envs.slots import Slots
 from bendtwin.envs.tasks.task import Task, View, upright
 from bendtwin.simulation.rollout import Fidelity
 from bendtwin.twin import Twin
-
-if TYPE_CHECKING:
-    from bendtwin.envs.pictures import Pictures, Pixels
 
 #: Tries to begin an episode while workers are lost.
 _TRIES = 3
@@ -287,9 +285,6 @@ class TwinVectorEnv(Slots, VectorEnv):
     def _pictures_by(self, cameras: Sequence[Camera]) -> Pictures | None:
         if not cameras:
             return None
-        # Environments without pictures load nothing for them.
-        from bendtwin.envs.pictures import Pictures
-
         return Pictures(self._simulation, self.task_on_body, cameras, self._settings.look)
 
     def _begin_without_episodes(self) -> None:
