@@ -7,7 +7,7 @@
 //! times points. Tolerances are relative to the extent; points left out of a face because of
 //! them are outside it by no more than that.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 use bendtwin_core::Point;
 use bendtwin_engine::world::{Face, MAX_FACES};
@@ -16,9 +16,8 @@ use bendtwin_engine::world::{Face, MAX_FACES};
 const TOLERANCE: f64 = 1e-5;
 /// Share of the extent below which a hull is flat.
 const FLAT: f64 = 1e-3;
-/// Planes count as one if their normals' cosine is larger than this, and their distance within the
-/// tolerance.
-const SAME_NORMAL: f64 = 1.0 - 1e-8;
+/// Most planes that are looked at, faces or not.
+const MOST_PLANES: usize = 8 * MAX_FACES;
 
 type Vector = [f64; 3];
 
@@ -59,22 +58,30 @@ pub(crate) fn hull(points: &[Point]) -> Result<Vec<Face>, Fault> {
         return Err(Fault::Flat);
     }
     let mut faces = vec![first];
-    let mut open: VecDeque<usize> = VecDeque::from([0]);
-    while let Some(index) = open.pop_front() {
-        let face = faces[index];
+    let mut seen = HashSet::from([on(&points, &first, near)]);
+    let mut open: VecDeque<Plane> = VecDeque::from([first]);
+    while let Some(face) = open.pop_front() {
         for [a, b] in edges(&points, &face, near) {
             let out = unit(cross(sub(b, a), face.normal));
             let Some(next) = turned(&points, &face, a, out, near) else { continue };
-            let known = |f: &Plane| {
-                dot(f.normal, next.normal) > SAME_NORMAL && (f.offset - next.offset).abs() < near
-            };
-            if !faces.iter().any(known) {
+            let holders = on(&points, &next, near);
+            let is_part = |f: &Plane| holders.iter().all(|i| is_on(f, points[*i], near));
+            // Where edges are short, the plane of a face that is known may be found again, tilted: it is no further
+            // face, but what is beyond its edges is still to be found.
+            let is_known = faces.iter().any(is_part);
+            if !seen.insert(holders) {
+                continue;
+            }
+            if !is_known {
                 if faces.len() == MAX_FACES {
                     return Err(Fault::TooManyFaces);
                 }
-                open.push_back(faces.len());
                 faces.push(next);
             }
+            if seen.len() > MOST_PLANES {
+                return Err(Fault::TooManyFaces);
+            }
+            open.push_back(next);
         }
     }
     let face = |f: &Plane| Face {
@@ -119,6 +126,11 @@ fn turned(points: &[Vector], plane: &Plane, a: Vector, out: Vector, near: f64) -
     // All points are within it, those that the tolerance left out too.
     let offset = points.iter().map(|p| dot(normal, *p)).fold(f64::MIN, f64::max);
     Some(Plane { normal, offset })
+}
+
+/// The points that count as in a plane that no point is above, ascending.
+fn on(points: &[Vector], plane: &Plane, near: f64) -> Vec<usize> {
+    (0..points.len()).filter(|i| is_on(plane, points[*i], near)).collect()
 }
 
 /// True if a point counts as in a plane that no point is above.

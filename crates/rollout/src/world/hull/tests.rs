@@ -1,7 +1,7 @@
 use bendtwin_core::geometry::{length, sub};
 use proptest::prelude::*;
 
-use super::{Face, Fault, Point, hull};
+use super::{Face, Fault, Point, cross, dot, hull, unit};
 
 /// Distance of a point to the plane that is farthest from it [m].
 fn distance(faces: &[Face], p: Point) -> f32 {
@@ -69,7 +69,57 @@ fn what_has_no_volume_is_refused() {
     }
 }
 
+/// Corners of the polytope that planes at a distance of 1 from the origin bound.
+fn polytope(normals: &[[f64; 3]]) -> Vec<Point> {
+    let mut corners = Vec::new();
+    for i in 0..normals.len() {
+        for j in 0..i {
+            for k in 0..j {
+                let [a, b, c] = [i, j, k].map(|i| normals[i]);
+                // Cramer's rule for a x = b x = c x = 1.
+                let sides = [cross(b, c), cross(c, a), cross(a, b)];
+                let volume = dot(a, sides[0]);
+                let corner: [f64; 3] =
+                    std::array::from_fn(|axis| sides.iter().map(|s| s[axis]).sum::<f64>() / volume);
+                if normals.iter().all(|n| dot(*n, corner) < 1.0 + 1e-9) {
+                    corners.push(corner.map(|x| 0.1 * x as f32));
+                }
+            }
+        }
+    }
+    corners
+}
+
 proptest! {
+    /// Polytopes of many random faces have short edges, and corners near other faces: a few of their faces may be
+    /// found again, with a tilt.
+    #[test]
+    fn polytopes_with_short_edges_have_not_many_more_faces(
+        normals in prop::collection::vec(prop::array::uniform3(-1.0f64..1.0), 12..32),
+    ) {
+        let mut normals: Vec<[f64; 3]> = normals
+            .iter()
+            .filter(|n| dot(**n, **n) > 0.01)
+            .map(|n| unit(*n))
+            .collect();
+        for axis in 0..3 {
+            for sign in [-1.0, 1.0] {
+                normals.push(std::array::from_fn(|i| if i == axis { sign } else { 0.0 }));
+            }
+        }
+        let corners = polytope(&normals);
+        let faces = hull(&corners).unwrap();
+        prop_assert!(faces.len() <= 2 * normals.len(), "{} of {}", faces.len(), normals.len());
+        for corner in &corners {
+            prop_assert!(distance(&faces, *corner) < 1e-5);
+        }
+        // A point that is well outside of one of the planes is outside of the hull.
+        for normal in &normals {
+            let outside = normal.map(|x| 0.11 * x as f32);
+            prop_assert!(distance(&faces, outside) > 0.0);
+        }
+    }
+
     /// All points are within every face, and every face is held by at least three of them.
     #[test]
     fn points_are_within_and_faces_are_held(

@@ -21,7 +21,8 @@ pub fn task_terms(model: &Model, of: PointSet, points: &[u32]) -> [Term; 3] {
     };
     let least = rest.iter().fold([f32::MAX; 3], |a, b| std::array::from_fn(|k| a[k].min(b[k])));
     let origin = if rest.is_empty() { [0.0; 3] } else { least.map(|x| x - SPACING_M) };
-    let targets: Vec<Point> = points.iter().map(|&i| all[i as usize].map(|x| x + ASIDE_M)).collect();
+    let targets: Vec<Point> =
+        points.iter().map(|&i| all[i as usize].map(|x| x + ASIDE_M)).collect();
     let points = Arc::new(points.to_vec());
     [
         Term::Order {
