@@ -1,12 +1,14 @@
 """Resources as values of their messages."""
 
 import pickle
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from datetime import datetime, timezone
+from types import SimpleNamespace
 from typing import get_type_hints
 
 import numpy as np
 import pytest
+import typing_extensions
 
 from bendtwin import (
     Capture,
@@ -43,6 +45,7 @@ from bendtwin import (
     TwinInfo,
     Worker,
 )
+from bendtwin.messages import FromMessage
 from bendtwin.simulation.rollout import FIDELITIES
 from bendtwin.tensors import pack_floats
 from bendtwin.v1 import (
@@ -167,3 +170,15 @@ def test_what_a_message_leaves_out_has_its_default():
     capture = Capture.from_proto(capture_pb2.Capture(name="captures/1"))
     assert capture == Capture("captures/1", "", None, 0, "")
     assert Job.from_proto(job_pb2.Job(state=job_pb2.Job.QUEUED)).settings == {}
+
+
+def test_aliases_of_types_are_read_as_what_they_stand_for():
+    # NumPy's NDArray is one from 2.5 on, with Python 3.12.
+    number = typing_extensions.TypeVar("number")
+    alias = typing_extensions.TypeAliasType("alias", list[number], type_params=(number,))
+
+    @dataclass
+    class Read(FromMessage):
+        slots: alias[int]
+
+    assert Read.from_proto(SimpleNamespace(slots=(1, 2))).slots == [1, 2]

@@ -41,8 +41,9 @@ def _readers(kind: Any) -> dict[str, Callable[[Any], Any]]:
 
 def _reader(name: str, hint: Any) -> Callable[[Any], Any]:
     """A function that reads a field of that type from a message."""
+    hint = _meant(hint)
     if get_origin(hint) in (Union, UnionType):
-        (given,) = (one for one in get_args(hint) if one is not type(None))
+        (given,) = (_meant(one) for one in get_args(hint) if one is not type(None))
         convert = unpack if get_origin(given) is np.ndarray else _conversion(given)
         return lambda message: convert(getattr(message, name)) if message.HasField(name) else None
     if get_origin(hint) is dict:
@@ -51,6 +52,14 @@ def _reader(name: str, hint: Any) -> Callable[[Any], Any]:
         return lambda message: _word(message, name, get_args(hint))
     convert = _conversion(hint)
     return lambda message: convert(getattr(message, name))
+
+
+def _meant(hint: Any) -> Any:
+    """The type that an alias stands for, as `NDArray` is one from NumPy 2.5 on."""
+    while (meant := getattr(get_origin(hint) or hint, "__value__", None)) is not None:
+        given = get_args(hint)
+        hint = meant[given] if given else meant
+    return hint
 
 
 def _word(message: Any, name: str, known: tuple[str, ...]) -> str:
@@ -63,6 +72,7 @@ def _word(message: Any, name: str, known: tuple[str, ...]) -> str:
 
 def _conversion(hint: Any) -> Callable[[Any], Any]:
     """A function that converts the value of a field to that type."""
+    hint = _meant(hint)
     origin, inner = get_origin(hint), get_args(hint)
     if origin is list or (origin is tuple and inner[-1] is ...):
         convert = _conversion(inner[0])
