@@ -245,11 +245,9 @@ impl Pictures {
         let cameras = cameras.iter().map(|camera| {
             let of_camera: Vec<Picture> = drawn.iter_mut().filter_map(Iterator::next).collect();
             let size = [count, camera.height as usize, camera.width as usize];
-            let colors: Vec<u8> = of_camera.iter().flat_map(|p| &p.colors).copied().collect();
-            let depths =
-                || -> Vec<f32> { of_camera.iter().flat_map(|p| &p.depths).copied().collect() };
-            let labels =
-                || -> Vec<u8> { of_camera.iter().flat_map(|p| &p.labels).copied().collect() };
+            let colors = joined(&of_camera, |picture| &picture.colors);
+            let depths = || joined(&of_camera, |picture| &picture.depths);
+            let labels = || joined(&of_camera, |picture| &picture.labels);
             Wire {
                 colors: Some(Tensor::pack(&[size[0], size[1], size[2], 3], &colors)),
                 depths: wanted.depths.then(|| Tensor::pack(&size, &depths())),
@@ -259,4 +257,9 @@ impl Pictures {
         let cameras = cameras.collect();
         RenderedSession { cameras, slots: self.slots.iter().map(|slot| *slot as u32).collect() }
     }
+}
+
+/// The pixels of pictures, one after another.
+fn joined<T: Copy>(pictures: &[Picture], of: impl Fn(&Picture) -> &[T]) -> Vec<T> {
+    pictures.iter().map(of).collect::<Vec<_>>().concat()
 }
