@@ -51,7 +51,8 @@ describe('hostile names', () => {
       expect(await visit.page.title(), at).not.toMatch(/^\d$/);
       for (const size of [1200, 360]) {
         await visit.page.setViewportSize({ width: size, height: 800 });
-        expect(await width(visit), `${at} on a screen of ${size}`).toBeLessThanOrEqual(size);
+        const message = `${at} on a screen of ${size}`;
+        await expect.poll(() => width(visit), { message, timeout: 10_000 }).toBeLessThanOrEqual(size);
       }
     }
     await visit.stop('hostile-names-small');
