@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bendtwin import Geometry, State
-from bendtwin.planners import rotations
+from bendtwin import Geometry, State, rotations
 from bendtwin.skin import Skin
 
 pytest.importorskip("gymnasium")
@@ -85,7 +84,7 @@ def test_rotations_agree_with_one_another():
     axes = np.stack([rotations.rotated(turns, np.eye(3)[i]) for i in range(3)], axis=-1)
     np.testing.assert_allclose(axes @ points[..., None], turned[..., None], atol=1e-12)
     for turn, matrix in zip(turns, axes, strict=True):
-        np.testing.assert_allclose(rotations.quaternion(matrix) * np.sign(turn[3]), turn)
+        np.testing.assert_allclose(rotations.quaternions(matrix) * np.sign(turn[3]), turn)
 
 
 @pytest.mark.parametrize("axes", ["world", "gripper"])

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from bendtwin.planners.rotations import exponential, product
 from bendtwin.robots import EXAMPLE_URDF, Limits, Robot, RobotError
+from bendtwin.rotations import exponential, product
 
 BASE = [0.1, -0.2, 0.3, 0.1, 0.2, 0.3, 0.9]
 

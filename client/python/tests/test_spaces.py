@@ -6,7 +6,7 @@ import pytest
 from bendtwin import interpolate
 from bendtwin.planners import Grippers, PerHand, Points, Together
 from bendtwin.planners.knots import curve_matrix, shifted
-from bendtwin.planners.rotations import exponential, product
+from bendtwin.rotations import exponential, product
 
 CONTROLS = np.array([[0.0, 0.0, 0.1], [0.2, 0.0, 0.1], [0.3, 0.1, 0.1]])
 SPACES = [

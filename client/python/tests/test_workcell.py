@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bendtwin import Capsule, Collider, ConvexMesh, Cuboid, Plane, Sphere, World
-from bendtwin.planners.rotations import exponential
 from bendtwin.robots import EXAMPLE_URDF, Robot, RobotError, Workcell
 from bendtwin.robots.description import Ball, Box, Cylinder
 from bendtwin.robots.obstacles import Obstacles
 from bendtwin.robots.shapes import merged, outline, samples, shape_of
 from bendtwin.robots.transforms import placed
+from bendtwin.rotations import exponential
 
 IDENTITY = np.array([0.0, 0, 0, 0, 0, 0, 1])
 LINKS = ["shoulder", "upper_arm", "forearm", "wrist", "hand_mount"]

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from bendtwin import ConvexMesh, Cuboid, Sphere
+from bendtwin.rotations import matrices
 from bendtwin_ros import hulls
 from bendtwin_ros.frames import MissingTransform
 from bendtwin_ros.messages.basic import Header, Point, Pose, Quaternion
@@ -21,7 +22,7 @@ from bendtwin_ros.messages.scene import (
     PlanningSceneWorld,
     SolidPrimitive,
 )
-from bendtwin_ros.poses import applied, matrix
+from bendtwin_ros.poses import applied
 from bendtwin_ros.scene import Obstacles, SceneFault
 from made_ros import FakeFrames, shifted
 
@@ -102,7 +103,7 @@ def test_a_level_plane_is_the_ground_and_others_are_boxes():
     outside = applied(box.pose, [[0, 0, 0.01], [1, -2, 0.5]])
     assert (inside @ [1, 1, 0] + 0.5 < 0).all()
     assert (outside @ [1, 1, 0] + 0.5 > 0).all()
-    np.testing.assert_allclose(np.linalg.det(matrix(box.pose[3:])), 1.0)
+    np.testing.assert_allclose(np.linalg.det(matrices(box.pose[3:])), 1.0)
 
 
 def scene(*objects, diff=True):

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin import rotations
 from bendtwin_ros.messages.basic import (
     Duration,
     Point,
@@ -91,35 +92,24 @@ def to_points(points: npt.NDArray[Any]) -> list[Point]:
     return [Point(x, y, z) for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
 
 
-def matrix(quaternion: npt.ArrayLike) -> Array:
-    """The rotation matrix of a unit quaternion x, y, z, w."""
-    x, y, z, w = np.asarray(quaternion, dtype=np.float64)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
 def applied(pose: Array, points: npt.ArrayLike) -> Array:
     """Points [..., 3] of a frame, where its pose places them."""
-    return np.asarray(np.asarray(points) @ matrix(pose[3:]).T + pose[:3], dtype=np.float64)
+    return np.asarray(
+        np.asarray(points) @ rotations.matrices(pose[3:]).T + pose[:3], dtype=np.float64
+    )
 
 
 def product(a: Array, b: Array) -> Array:
     """The pose `b` of a frame that has the pose `a`."""
-    av, aw, bv, bw = a[3:6], a[6], b[3:6], b[6]
-    vector = aw * bv + bw * av + np.cross(av, bv)
-    turned = np.array([*vector, aw * bw - av @ bv])
-    return np.concatenate([applied(a, b[:3]), turned / np.linalg.norm(turned)])
+    found = rotations.compose(a, b)
+    found[3:] /= np.linalg.norm(found[3:])
+    return found
 
 
 def inverse(pose: Array) -> Array:
     """The pose that undoes a pose."""
-    turned = np.array([*-pose[3:6], pose[6]])
-    return np.concatenate([-(matrix(turned) @ pose[:3]), turned])
+    turned = rotations.conjugate(pose[3:])
+    return np.concatenate([-rotations.rotated(turned, pose[:3]), turned])
 
 
 def between(a: Array, b: Array, share: float) -> Array:

@@ -14,11 +14,12 @@ from typing import TypeVar
 import numpy as np
 
 from bendtwin import Collider, ConvexMesh, Cuboid, Plane, Sphere, World
+from bendtwin.rotations import matrices, quaternions
 from bendtwin_ros import hulls
 from bendtwin_ros.frames import Frames
 from bendtwin_ros.messages.basic import Pose
 from bendtwin_ros.messages.scene import CollisionObject, Mesh, PlanningScene, SolidPrimitive
-from bendtwin_ros.poses import IDENTITY, Array, applied, matrix, of_pose, points_of, product
+from bendtwin_ros.poses import IDENTITY, Array, applied, of_pose, points_of, product
 
 _Shape = TypeVar("_Shape")
 
@@ -206,7 +207,7 @@ def _planes(one: CollisionObject, base: Array) -> Iterator[tuple[Array, Array]]:
             raise SceneFault(f"object {one.id!r} has the plane {list(plane.coef)}")
         normal = coefficients[:3] / length
         placed = product(base, pose)
-        yield matrix(placed[3:]) @ normal, applied(placed, -coefficients[3] / length * normal)
+        yield matrices(placed[3:]) @ normal, applied(placed, -coefficients[3] / length * normal)
 
 
 def _behind(normal: Array, at: Array, name: str, friction: float, margin_m: float) -> Collider:
@@ -216,23 +217,8 @@ def _behind(normal: Array, at: Array, name: str, friction: float, margin_m: floa
     side /= np.linalg.norm(side)
     return Collider(
         shape=Cuboid([-_WIDE_M, -_WIDE_M, -_DEEP_M], [_WIDE_M, _WIDE_M, 0.0]),
-        pose=np.concatenate([at, _quaternion(np.stack([side, np.cross(normal, side), normal], 1))]),
+        pose=np.concatenate([at, quaternions(np.stack([side, np.cross(normal, side), normal], 1))]),
         name=name,
         friction=friction,
         margin_m=margin_m,
     )
-
-
-def _quaternion(axes: Array) -> Array:
-    """The quaternion of a rotation matrix: the largest eigenvector of a symmetric matrix."""
-    (a, b, c), (d, e, f), (g, h, i) = axes
-    k = np.array(
-        [
-            [a - e - i, d + b, g + c, h - f],
-            [d + b, e - a - i, h + f, c - g],
-            [g + c, h + f, i - a - e, d - b],
-            [h - f, c - g, d - b, a + e + i],
-        ]
-    )
-    _, vectors = np.linalg.eigh(k / 3.0)
-    return np.asarray(vectors[:, -1])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bendtwin import Geometry, Surface
+from bendtwin.rotations import matrices
 from bendtwin_ros.clouds import cloud_of
 from bendtwin_ros.grippers import Gripper
 from bendtwin_ros.messages.basic import (
@@ -18,7 +19,7 @@ from bendtwin_ros.messages.basic import (
 )
 from bendtwin_ros.messages.shown import Marker, MarkerArray
 from bendtwin_ros.parameters import Settings
-from bendtwin_ros.poses import matrix, time_of, to_points
+from bendtwin_ros.poses import time_of, to_points
 from bendtwin_ros.tracker import Estimate
 
 
@@ -81,7 +82,7 @@ def wrenches(grippers: list[Gripper], estimate: Estimate) -> list[WrenchStamped]
         return []
     messages = []
     for gripper, on_object, pose in zip(grippers, estimate.wrenches, estimate.poses, strict=False):
-        to_gripper = matrix(pose[3:]).T
+        to_gripper = matrices(pose[3:]).T
         force, torque = to_gripper @ -on_object[:3], to_gripper @ -on_object[3:]
         header = Header(time_of(estimate.at_ns), gripper.settings.frame)
         wrench = Wrench(Vector3(*force.tolist()), Vector3(*torque.tolist()))

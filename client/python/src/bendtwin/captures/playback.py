@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.simulation.pictures import PictureCamera, quaternions
+from bendtwin.rotations import quaternions
+from bendtwin.simulation.pictures import PictureCamera
 
 #: Images whose median is the background, evenly chosen.
 MOST_IMAGES = 25

@@ -13,8 +13,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin import rotations
 from bendtwin.envs.body import Body
-from bendtwin.planners import rotations
 
 Array = npt.NDArray[np.floating[Any]]
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.envs.body import Body
-from bendtwin.planners import rotations
+from bendtwin.simulation.pictures import looking
 
 Array = npt.NDArray[np.floating[Any]]
 
@@ -56,15 +56,12 @@ class Camera:
         """A camera that looks from a place at another, upright, with a field of view over the
         shorter side of its picture."""
         eye, at = np.asarray(eye, float), np.asarray(at, float)
-        forward = (at - eye) / np.linalg.norm(at - eye)
-        up = np.array([0.0, 0.0, 1.0]) if abs(forward[2]) < 0.999 else np.array([0.0, 1.0, 0.0])
-        right = np.cross(forward, up)
-        right /= np.linalg.norm(right)
-        axes = np.stack([right, np.cross(forward, right), forward], axis=1)
+        steep = abs(at[2] - eye[2]) >= 0.999 * np.linalg.norm(at - eye)
+        up = np.array([0.0, 1.0, 0.0] if steep else [0.0, 0.0, 1.0])
         focal = 0.5 * min(width, height) / np.tan(0.5 * field_of_view_rad)
         return cls(
             name=name,
-            pose=np.concatenate([eye, rotations.quaternion(axes)]),
+            pose=looking(eye, at, up),
             intrinsics=[focal, focal, 0.5 * (width - 1), 0.5 * (height - 1)],
             width=width,
             height=height,

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
+from bendtwin import rotations
 from bendtwin.envs.body import Array, Body, Indices, farthest
 from bendtwin.envs.cameras import Camera
 from bendtwin.envs.simulation import Mask
@@ -154,7 +155,7 @@ class Observer:
         """Points [R, P] that are outside of a picture, or behind others."""
         pose = np.asarray(camera.pose, float)
         lens = np.asarray(camera.intrinsics, float)
-        back = _rotation(pose[3:]).T
+        back = rotations.matrices(pose[3:]).T
         arms = points - pose[:3]
         local = (back[None, None] * arms[..., None, :]).sum(axis=-1)
         depth = local[..., 2]
@@ -202,15 +203,3 @@ class Observer:
 
 def _box(*shape: int) -> spaces.Box:
     return spaces.Box(-np.inf, np.inf, shape, np.float32)
-
-
-def _rotation(quaternion: Array) -> Array:
-    """The matrix of a quaternion x, y, z, w."""
-    x, y, z, w = (float(q) for q in quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )

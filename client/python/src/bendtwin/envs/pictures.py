@@ -11,13 +11,13 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin import rotations
 from bendtwin.envs.body import Array, Indices
 from bendtwin.envs.cameras import Camera
 from bendtwin.envs.props import CLOSED, OBSTACLE, OPEN
 from bendtwin.envs.randomisation import Look
 from bendtwin.envs.simulation import Mask, Simulation
 from bendtwin.envs.tasks.task import Task
-from bendtwin.planners import rotations
 from bendtwin.simulation.pictures import Light, PictureCamera, Prop
 from bendtwin.simulation.world import Capsule
 
@@ -88,7 +88,7 @@ class Pictures:
         camera = self.cameras[number]
         pose = np.broadcast_to(np.asarray(camera.pose, float), (len(looks), 7))
         if camera.gripper is not None:
-            pose = joined(poses[:, camera.gripper], pose)
+            pose = rotations.compose(poses[:, camera.gripper], pose)
         shift = np.array([[*look.shift_m[number], *look.turn[number]] for look in looks])
         lens = np.broadcast_to(np.asarray(camera.intrinsics, float), (len(looks), 4)).copy()
         lens[:, :2] /= np.array([look.zoom[number] for look in looks])[:, None]
@@ -102,7 +102,7 @@ class Pictures:
             width=camera.width,
             height=camera.height,
             intrinsics=lens,
-            pose=joined(pose, shift),
+            pose=rotations.compose(pose, shift),
             background=None if background is None else np.asarray(background, np.uint8),
         )
 
@@ -129,15 +129,8 @@ class Pictures:
             for side in (-1.0, 1.0):
                 place = np.zeros((len(pose), 7))
                 place[:, 1], place[:, 6] = side * apart, 1.0
-                props.append(Prop(self._finger, pose=joined(pose, place), color=color))
+                props.append(Prop(self._finger, pose=rotations.compose(pose, place), color=color))
         return props
-
-
-def joined(outer: Array, inner: Array) -> Array:
-    """Poses [..., 7] in the coordinates of others, in the world."""
-    places = outer[..., :3] + rotations.rotated(outer[..., 3:], inner[..., :3])
-    turns = rotations.product(outer[..., 3:], inner[..., 3:])
-    return np.concatenate([places, turns], axis=-1)
 
 
 def _rows(values: Sequence[Any]) -> npt.NDArray[np.float32]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.planners import rotations
+from bendtwin import rotations
 
 Array = npt.NDArray[np.floating[Any]]
 Range = tuple[float, float]

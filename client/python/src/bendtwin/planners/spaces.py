@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.planners import rotations
+from bendtwin import rotations
 from bendtwin.simulation.bounds import Bounds
 from bendtwin.simulation.world import World
 from bendtwin.tensors import pack_floats, pack_indices

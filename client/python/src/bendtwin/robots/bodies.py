@@ -10,7 +10,8 @@ import numpy as np
 from bendtwin.robots.description import RobotError
 from bendtwin.robots.robot import Robot
 from bendtwin.robots.shapes import Cylinders, Solid, merged, shape_of, solid_of
-from bendtwin.robots.transforms import Array, compose, relative
+from bendtwin.robots.transforms import Array, relative
+from bendtwin.rotations import compose
 from bendtwin.simulation.world import Collider
 
 

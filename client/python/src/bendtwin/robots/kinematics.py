@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.planners.rotations import product
 from bendtwin.robots.description import Attachment, Description, Joint, RobotError
-from bendtwin.robots.transforms import IDENTITY, Array, compose, rotated
+from bendtwin.robots.transforms import IDENTITY, Array
+from bendtwin.rotations import compose, product, rotated
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.robots.meshes import hull_planes
-from bendtwin.robots.transforms import IDENTITY, Array, checked_poses, conjugate, matrices
+from bendtwin.robots.transforms import IDENTITY, Array, checked_poses
+from bendtwin.rotations import conjugate, matrices
 from bendtwin.simulation.world import Capsule, Collider, Cuboid, Plane, Sphere
 
 #: Rows that are handled together, so that memory is bounded.

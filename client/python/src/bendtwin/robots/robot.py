@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.planners.rotations import product
 from bendtwin.robots import transforms
 from bendtwin.robots.description import Description, Joint, Limits, Link, RobotError
 from bendtwin.robots.inverse import Descent, Inverse, starts
 from bendtwin.robots.kinematics import Tree
 from bendtwin.robots.transforms import Array
 from bendtwin.robots.urdf import read_urdf
+from bendtwin.rotations import conjugate, logarithm, product
 
 
 class Robot:
@@ -327,7 +327,7 @@ class _Search:
 
 def _turns(wanted: Array, poses: Array) -> Array:
     """Rotation vectors [..., 3] from poses to wanted ones, along the world's axes."""
-    return transforms.vectors(product(wanted[..., 3:], transforms.conjugate(poses[..., 3:])))
+    return logarithm(product(wanted[..., 3:], conjugate(poses[..., 3:])))
 
 
 def _flat(rows: Array) -> Array:

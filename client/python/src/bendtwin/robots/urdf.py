@@ -32,7 +32,7 @@ from bendtwin.robots.description import (
     Part,
     RobotError,
 )
-from bendtwin.robots.transforms import from_rpy
+from bendtwin.rotations import of_angles
 
 _LARGEST_BYTES = 16 << 20
 _MOST_LINKS = 1000
@@ -237,7 +237,7 @@ def _origin(element: _Element, what: str) -> Array:
     zeros = (0.0, 0.0, 0.0)
     xyz = _numbers(origin, "xyz", 3, zeros, what, _FARTHEST_M)
     rpy = _numbers(origin, "rpy", 3, zeros, what, _LARGEST)
-    return np.concatenate([xyz, from_rpy(rpy)])
+    return np.concatenate([xyz, of_angles(rpy)])
 
 
 def _length(element: _Element, name: str, what: str) -> float:

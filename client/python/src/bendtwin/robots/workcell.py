@@ -17,7 +17,8 @@ from bendtwin.robots.description import RobotError
 from bendtwin.robots.obstacles import Obstacles, carried
 from bendtwin.robots.robot import Robot
 from bendtwin.robots.shapes import Cylinders, samples
-from bendtwin.robots.transforms import Array, compose
+from bendtwin.robots.transforms import Array
+from bendtwin.rotations import compose
 from bendtwin.simulation.costs import Clearance, Force, When
 from bendtwin.simulation.interpolation import Interpolation
 from bendtwin.simulation.rollout import RolloutResult

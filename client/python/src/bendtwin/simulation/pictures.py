@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.calls import Call
+from bendtwin.rotations import quaternions
 from bendtwin.simulation.world import Collider, Shape
 from bendtwin.tensors import pack_bytes, pack_floats, unpack
 from bendtwin.v1 import picture_pb2, tensor_pb2
@@ -72,7 +73,7 @@ class PictureCamera:
             width=width,
             height=height,
             intrinsics=(focal, focal, (width - 1) / 2, (height - 1) / 2),
-            pose=_looking(np.asarray(eye, float), np.asarray(target, float), np.asarray(up, float)),
+            pose=looking(np.asarray(eye, float), np.asarray(target, float), np.asarray(up, float)),
             background=background,
             name=name,
         )
@@ -200,7 +201,7 @@ def _rows(name: str, values: npt.ArrayLike, width: int) -> tensor_pb2.Tensor:
     return pack_floats(name, array, shape)
 
 
-def _looking(
+def looking(
     eye: npt.NDArray[np.float64], target: npt.NDArray[np.float64], up: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
     """Poses of cameras, [7] or [S, 7]."""
@@ -214,20 +215,3 @@ def _looking(
     down = np.cross(forward, right)
     rotation = np.stack([right, down, forward], axis=-1)
     return np.concatenate([eye, quaternions(rotation)], axis=-1)
-
-
-def quaternions(rotation: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Unit quaternions x, y, z, w [..., 4] of rotations [..., 3, 3]: the eigenvector of the largest
-    eigenvalue of a symmetric matrix (Bar-Itzhack 2000), so that no case is special."""
-    m = rotation
-    matrix = np.zeros((*m.shape[:-2], 4, 4))
-    for i in range(3):
-        for j in range(3):
-            matrix[..., i, j] = m[..., i, j] + m[..., j, i]
-        matrix[..., i, i] -= np.trace(m, axis1=-2, axis2=-1)
-    matrix[..., 3, 3] = np.trace(m, axis1=-2, axis2=-1)
-    twist = (m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1])
-    for i, value in enumerate(twist):
-        matrix[..., i, 3] = matrix[..., 3, i] = value
-    found: npt.NDArray[np.float64] = np.linalg.eigh(matrix)[1][..., :, -1]
-    return found

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.geometry import Geometry
+from bendtwin.rotations import quaternions
 from bendtwin.simulation.plan import GraspSearch
 from bendtwin.simulation.state import State
 
@@ -186,13 +187,4 @@ def _unit(name: str, direction: npt.ArrayLike) -> Array:
 def _quaternion(x: Array, z: Array) -> Array:
     """Quaternion x, y, z, w of the rotation that brings the axes x and z to these."""
     m = np.stack([x, np.cross(z, x), z], axis=1)
-    # The largest eigenvector of this matrix, which has no case of bad conditioning.
-    k = np.array(
-        [
-            [m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]],
-            [m[0, 1] + m[1, 0], m[1, 1] - m[0, 0] - m[2, 2], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]],
-            [m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], m[2, 2] - m[0, 0] - m[1, 1], m[1, 0] - m[0, 1]],
-            [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], m[0, 0] + m[1, 1] + m[2, 2]],
-        ]
-    )
-    return _signed(np.linalg.eigh(k)[1][:, -1])
+    return _signed(quaternions(m))

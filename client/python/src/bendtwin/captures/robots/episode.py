@@ -10,6 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin import rotations
+
 Array = npt.NDArray[np.float64]
 Rotation = Literal["quaternion_xyzw", "quaternion_wxyz", "rotation_vector", "roll_pitch_yaw"]
 
@@ -126,9 +128,9 @@ def posed(name: str, rows: Array, rotation: Rotation) -> Array:
         count = 3 + ROTATIONS[rotation]
         raise EpisodeFault(f"{name} has {rows.shape[1]} elements: {rotation} needs {count}")
     if rotation == "rotation_vector":
-        quaternions = _of_vectors(turns)
+        quaternions = rotations.exponential(turns)
     elif rotation == "roll_pitch_yaw":
-        quaternions = _of_angles(turns)
+        quaternions = rotations.of_angles(turns)
     else:
         order = [0, 1, 2, 3] if rotation == "quaternion_xyzw" else [1, 2, 3, 0]
         quaternions = turns[:, order]
@@ -137,7 +139,7 @@ def posed(name: str, rows: Array, rotation: Rotation) -> Array:
             raise EpisodeFault(f"{name} has quaternions that are not of unit length")
         quaternions = quaternions / lengths[:, None]
     placed = np.tile(np.eye(4), (len(rows), 1, 1))
-    placed[:, :3, :3] = _turned(quaternions)
+    placed[:, :3, :3] = rotations.matrices(quaternions)
     placed[:, :3, 3] = rows[:, :3]
     return placed
 
@@ -147,17 +149,7 @@ def rows(placed: Array) -> Array:
     found = np.full((len(placed), 7), np.nan)
     known = np.isfinite(placed).all(axis=(1, 2))
     found[:, :3] = placed[:, :3, 3]
-    turns = placed[known, :3, :3]
-    # The quaternion is the eigenvector of the largest eigenvalue of a matrix of their elements.
-    (a, b, c), (d, e, f), (g, h, i) = np.moveaxis(turns, 0, -1)
-    elements = [
-        [a - e - i, d + b, g + c, h - f],
-        [d + b, e - a - i, h + f, c - g],
-        [g + c, h + f, i - a - e, d - b],
-        [h - f, c - g, d - b, a + e + i],
-    ]
-    _, vectors = np.linalg.eigh(np.moveaxis(np.array(elements), -1, 0))
-    quaternions = vectors[:, :, -1]
+    quaternions = rotations.quaternions(placed[known, :3, :3])
     # Signs are chosen so that neighbours are near each other, and the first has w >= 0.
     for k in range(len(quaternions)):
         before = quaternions[k - 1] if k else np.array([0.0, 0.0, 0.0, 1.0])
@@ -165,37 +157,3 @@ def rows(placed: Array) -> Array:
             quaternions[k] *= -1.0
     found[known, 3:] = quaternions
     return found
-
-
-def _of_vectors(vectors: Array) -> Array:
-    angles = np.linalg.norm(vectors, axis=1, keepdims=True)
-    # sin(a / 2) / a, also at 0.
-    shares = 0.5 * np.sinc(angles / (2.0 * np.pi))
-    return np.concatenate([vectors * shares, np.cos(angles / 2.0)], axis=1)
-
-
-def _of_angles(angles: Array) -> Array:
-    """Quaternions of turns about the fixed axes x, y and z, one after the other."""
-    half = angles / 2.0
-    (sx, sy, sz), (cx, cy, cz) = np.sin(half).T, np.cos(half).T
-    return np.stack(
-        [
-            sx * cy * cz - cx * sy * sz,
-            cx * sy * cz + sx * cy * sz,
-            cx * cy * sz - sx * sy * cz,
-            cx * cy * cz + sx * sy * sz,
-        ],
-        axis=1,
-    )
-
-
-def _turned(quaternions: Array) -> Array:
-    x, y, z, w = quaternions.T
-    return np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1),
-            np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=1),
-            np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=1),
-        ],
-        axis=1,
-    )

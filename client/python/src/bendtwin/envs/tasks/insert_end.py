@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bendtwin import rotations
 from bendtwin.envs.body import Array, Body
 from bendtwin.envs.props import Marker
 from bendtwin.envs.tasks.task import (
@@ -20,7 +21,6 @@ from bendtwin.envs.tasks.task import (
     stay,
     upright,
 )
-from bendtwin.planners import rotations
 from bendtwin.simulation.world import Capsule, Collider, Sphere
 
 #: Bars around the tube.

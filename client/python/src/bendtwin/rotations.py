@@ -1,4 +1,4 @@
-"""Rotation vectors [rad] and quaternions x, y, z, w."""
+"""Rotation vectors [rad], unit quaternions x, y, z, w, and poses x, y, z [m] with one of these."""
 
 from __future__ import annotations
 
@@ -49,17 +49,30 @@ def logarithm(quaternions: npt.NDArray[Any]) -> Array:
     return np.asarray(short[..., :3] / _half_sine(angle))
 
 
-def quaternion(matrix: npt.NDArray[Any]) -> Array:
-    """The quaternion [4] of a rotation matrix [3, 3], whose columns are the turned axes."""
-    # The eigenvector of the largest eigenvalue is right for all angles.
-    m = np.asarray(matrix, np.float64)
-    skew = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    form = np.zeros((4, 4))
-    form[:3, :3] = m + m.T - np.trace(m) * np.eye(3)
-    form[:3, 3] = form[3, :3] = skew
-    form[3, 3] = np.trace(m)
-    found = np.linalg.eigh(form)[1][:, -1]
-    return np.asarray(found if found[3] >= 0.0 else -found)
+def quaternions(matrices: npt.NDArray[Any]) -> Array:
+    """Quaternions [..., 4] of rotation matrices [..., 3, 3], whose columns are the turned axes."""
+    # The eigenvector of the largest eigenvalue of a symmetric matrix is right for all angles
+    # (Bar-Itzhack 2000).
+    m = np.asarray(matrices, np.float64)
+    trace = np.trace(m, axis1=-2, axis2=-1)[..., None, None]
+    form = np.empty((*m.shape[:-2], 4, 4))
+    form[..., :3, :3] = m + np.swapaxes(m, -1, -2) - trace * np.eye(3)
+    skew = (m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1])
+    form[..., :3, 3] = form[..., 3, :3] = np.stack(skew, axis=-1)
+    form[..., 3:, 3:] = trace
+    found = np.linalg.eigh(form)[1][..., -1]
+    return np.where(found[..., 3:] < 0.0, -found, found)
+
+
+def of_angles(angles: npt.ArrayLike) -> Array:
+    """Quaternions [..., 4] of roll, pitch and yaw [..., 3], about the fixed axes x, y and z in
+    turn."""
+    half = 0.5 * np.asarray(angles, dtype=np.float64)
+    turns = np.zeros((*half.shape, 4))
+    turns[..., np.arange(3), np.arange(3)] = np.sin(half)
+    turns[..., 3] = np.cos(half)
+    roll, pitch, yaw = np.moveaxis(turns, -2, 0)
+    return product(yaw, product(pitch, roll))
 
 
 def rotated(quaternions: npt.NDArray[Any], vectors: npt.NDArray[Any]) -> Array:
@@ -67,6 +80,19 @@ def rotated(quaternions: npt.NDArray[Any], vectors: npt.NDArray[Any]) -> Array:
     axis, scalar = quaternions[..., :3], quaternions[..., 3:]
     twice = 2.0 * np.cross(axis, vectors)
     return np.asarray(vectors + scalar * twice + np.cross(axis, twice))
+
+
+def matrices(quaternions: npt.NDArray[Any]) -> Array:
+    """Rotation matrices [..., 3, 3] of unit quaternions [..., 4]."""
+    axes = (np.broadcast_to(unit, quaternions[..., :3].shape) for unit in np.eye(3))
+    return np.stack([rotated(quaternions, axis) for axis in axes], axis=-1)
+
+
+def compose(outer: npt.NDArray[Any], inner: npt.NDArray[Any]) -> Array:
+    """Poses [..., 7] `inner`, given in the coordinates of `outer`, in the coordinates of the
+    latter."""
+    positions = outer[..., :3] + rotated(outer[..., 3:], inner[..., :3])
+    return np.concatenate([positions, product(outer[..., 3:], inner[..., 3:])], axis=-1)
 
 
 def _half_sine(angle: npt.NDArray[Any]) -> Array:
