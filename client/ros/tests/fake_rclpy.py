@@ -62,7 +62,7 @@ def transform_of(pose):
 
 class TransformListener:
     def __init__(self, buffer, node, *, spin_thread=False):
-        assert not spin_thread, "it would add the node to an executor of its own thread, too"
+        assert not spin_thread, "it would add the node to a second executor, in another thread"
 
 
 class StaticTransformBroadcaster:

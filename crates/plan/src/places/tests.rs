@@ -93,7 +93,7 @@ fn rounds_are_the_halvings_and_one_more() {
     let expected = [(1, 1), (2, 2), (3, 3), (4, 3), (5, 4), (8, 4), (9, 5), (256, 9)];
     for (places, count) in expected {
         assert_eq!(rounds(places), count, "{places}");
-        // As the search does it.
+        // The search halves in this way.
         let halvings = std::iter::successors(Some(places), |n| (*n > 1).then(|| n.div_ceil(2)));
         assert_eq!(halvings.count(), count, "{places}");
     }

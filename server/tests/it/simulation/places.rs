@@ -115,7 +115,7 @@ async fn limits_of_force_and_strain_decide_between_places() {
         with(request(&twin, &PLACES), Plausibility { grasp_force_n, ..Plausibility::default() })
     };
     let last = |updates: Vec<PlanUpdate>| updates.last().unwrap().clone();
-    // By hand: the forces are 1.1, 1.1, 2.1 and 1.6 N.
+    // Forces, counted by hand: 1.1, 1.1, 2.1 and 1.6 N.
     for (limit, place) in [(3.0, 3), (1.2, 1)] {
         let found = last(planned(&server, limited(limit)).await.unwrap());
         assert_eq!((found.grasp, found.grasp_force_limit_n), (Some(place), Some(limit)));

@@ -84,7 +84,7 @@ impl Winding {
             let has = |other: Option<usize>| {
                 other.and_then(|i| radii.get(i)).is_some_and(Option::is_some)
             };
-            // Of the angle that ends here, and of the one that begins.
+            // Gradients of the angle that ends here, and of the one that begins.
             let (ends, begins) = (has(i.checked_sub(1)), has(Some(i + 1)));
             let share = f64::from(u8::from(ends)) - f64::from(u8::from(begins));
             let turn = cross(self.direction, radius);

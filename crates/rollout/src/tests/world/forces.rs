@@ -136,7 +136,7 @@ fn a_grasp_that_slips_counts_with_the_force_at_which_it_slipped() {
     let first = found(&part)[0];
     assert_eq!(first.grasp, Some(0));
     assert!(first.found > slips && first.found < f64::from(strongest), "{first:?}");
-    // It held nothing afterwards.
+    // Afterwards the grasp held nothing.
     let wrenches = floats(&part.forces.as_ref().unwrap().grasps);
     let after = wrenches.chunks(12).skip(first.frame as usize);
     assert!(after.clone().count() > 0 && after.flat_map(|row| &row[..6]).all(|x| *x == 0.0));
@@ -171,7 +171,7 @@ fn members_and_shared_batches_keep_their_numbers() {
         .map(|run| bench.run(split::part(&whole, &batch, run), 0).unwrap().remove(0));
     let joined = split::join(replies.collect()).unwrap();
     assert_eq!(joined.implausible, expected.implausible);
-    // Of the best alone are arrays; all are judged.
+    // Arrays are returned for the best alone, but all are judged.
     let best = Returns { best: 1, final_state: true, ..Returns::default() };
     let costs = vec![keypoint_cost(0.0)];
     let asked = RollOutRequest { returns: Some(best), costs, ..whole.clone() };
